@@ -184,7 +184,7 @@ void LinkSet::close(const std::string& name) {
   const auto found = running_.find(name);
   Running& running = found->second;
   running.home->remove(running.link);
-  // Its thread has let go of the slot.
+  // The link's thread has let go of the slot.
   switchboard_.router().forget(running.id);
   figures_.remove_link(running.id);
   running_.erase(found);

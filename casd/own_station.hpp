@@ -16,7 +16,7 @@ namespace cas::casd {
 /// the commander.
 class OwnStation final : public Station {
  public:
-  /// Both outlive it.
+  /// @param commander, failures  outlive the station
   OwnStation(VehicleCommander& commander, FailureInjector& failures)
       : commander_(commander), failures_(failures) {}
 

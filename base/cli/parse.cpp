@@ -28,7 +28,7 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
-/// Of the command and of those around it, without hidden ones.
+/// Options of the command and of the commands around it, without hidden ones.
 std::vector<std::string> option_names(const CLI::App* app) {
   std::vector<std::string> names;
   for (; app != nullptr; app = app->get_parent()) {

@@ -86,6 +86,7 @@ struct ReadApart {
   }
 };
 
+/// A key with the value true or false.
 struct Flag {
   static void read(const ConfigNode& node, bool& value) { value = node.as<bool>(); }
   static std::string text(bool value) { return value ? "true" : "false"; }
@@ -93,6 +94,7 @@ struct Flag {
   static std::array<std::string, 2> samples() { return {"true", "false"}; }
 };
 
+/// A key whose value is any text.
 struct Text {
   static void read(const ConfigNode& node, std::string& value) { value = node.as<std::string>(); }
   static std::string text(const std::string& value) { return value.empty() ? "none" : value; }

@@ -93,7 +93,7 @@ std::string meant_shipped(fs::path name, const fs::path& folder = {}, std::strin
   }
   const std::string near = nearest_word(name.stem().string(), stems);
   if (near.empty()) return {};
-  // Of several with this name the one whose folder has the name that was given, or all.
+  // If several files have this name, suggest those in the folder that was named, else all.
   if (!key.empty()) key.pop_back();  // "topolog" of topologies/
   const auto names_folder = [&](const fs::path& wanted) {
     const fs::path parent = name.parent_path();

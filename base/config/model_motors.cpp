@@ -33,7 +33,7 @@ std::optional<ModelMotor> read_model_motor(const XmlElement& plugin, const std::
       motor.keys[key] = found->numbers(1)[0];
     }
   }
-  // Its torque is momentConstant times its thrust.
+  // The motor's torque is momentConstant times its thrust.
   if (const XmlElement* const moment = plugin.child("momentConstant")) {
     motor.keys["torque_coefficient"] = moment->numbers(1)[0] * motor.keys["thrust_coefficient"];
   }

@@ -89,7 +89,8 @@ struct CAS_BASE_EXPORT ElectricMotor {
   /// where that is lower, 0 where friction holds the rotor.
   /// @param duty  -1..1
   double steady_speed_rad_s(double duty, double torque_coefficient) const;
-  /// Its inverse without the limit, from the full battery: the duty for a speed, -1..1.
+  /// Duty for a speed, -1..1: inverse of steady_speed_rad_s() at the full battery, without the
+  /// current limit.
   double steady_duty(double omega_rad_s, double torque_coefficient) const;
   /// Time constant with a load of k_m w^2 for small changes about omega, s: J / (K^2 / R + 2 k_m
   /// w).

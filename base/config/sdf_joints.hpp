@@ -27,8 +27,8 @@ class SdfJoints {
   /// The joint that carries a link; nullptr: none. @param link  by its name in the outermost model
   const Joint* carrier_of(const std::string& link) const;
 
-  /// Of these links each that no chain of joints holds to the first; of those that hold to each
-  /// other the first.
+  /// Links that joints do not connect to the first link; of those connected to each other only the
+  /// first.
   std::vector<std::string> loose(const std::vector<std::string>& links);
 
  private:

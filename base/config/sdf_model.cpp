@@ -106,7 +106,7 @@ const XmlElement& model_in(const XmlElement& sdf) {
                       "'> to a file of its own"));
 }
 
-/// Of a joint; it may be infinite.
+/// A bound of a joint, from its <limit>; it may be infinite.
 double limit_of(const XmlElement& limit) {
   const std::string word = lower(without_space(limit.text));
   if (word == "inf" || word == "+inf" || word == "infinity") return HUGE_VAL;

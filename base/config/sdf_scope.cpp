@@ -26,7 +26,7 @@ bool is_before_1_5(std::string_view version) {
   return major == 1 && minor <= 4;
 }
 
-/// Of a <pose> that is not empty, in the frame that it names.
+/// Pose that a non-empty <pose> states, in the frame that it names.
 Eigen::Isometry3d own_pose(const XmlElement& pose) {
   const std::string_view format = pose.attribute("rotation_format");
   const bool is_quaternion = format == "quat_xyzw";

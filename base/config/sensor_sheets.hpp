@@ -49,6 +49,7 @@ struct TriadSheet {
   Eigen::Vector3d temperature_squared = Eigen::Vector3d::Zero();  ///< and per its square
 };
 
+/// Data sheet of an IMU: keys of plugin imu.
 struct ImuSheet {
   double rate_hz = 0;
   TriadSheet gyro;
@@ -64,6 +65,7 @@ struct ImuSheet {
   Eigen::Vector3d mounting_rpy_deg = Eigen::Vector3d::Zero();
 };
 
+/// Data sheet of a GPS receiver: keys of plugin gps.
 struct GpsSheet {
   /// A stretch of time without a fix.
   struct FixLoss {
@@ -84,6 +86,7 @@ struct GpsSheet {
   std::optional<EarthModel> earth_model;  ///< nullopt: the world's own projection
 };
 
+/// Data sheet of a magnetometer: keys of plugin magnetometer.
 struct MagnetometerSheet {
   double rate_hz = 0;
   WhiteNoise noise;  ///< gauss
@@ -93,6 +96,7 @@ struct MagnetometerSheet {
   double lsb_gauss = 0;
 };
 
+/// Data sheet of a barometer: keys of plugin barometer.
 struct BarometerSheet {
   double rate_hz = 0;
   WhiteNoise noise;  ///< Pa
@@ -102,6 +106,7 @@ struct BarometerSheet {
   double lsb_pa = 0;
 };
 
+/// Data sheet of a rangefinder: keys of plugin rangefinder.
 struct RangefinderSheet {
   double rate_hz = 0;
   WhiteNoise noise;  ///< m
@@ -116,6 +121,7 @@ struct RangefinderSheet {
 /// Format of files of scans: point clouds, and pictures of depth cameras.
 enum class CloudForm { kPcd, kPly, kPgm };
 
+/// Data sheet of a lidar: keys of plugin lidar.
 struct LidarSheet {
   std::string pattern;  ///< file
   double rate_hz = 0;   ///< scans in a second
@@ -132,6 +138,7 @@ struct LidarSheet {
   std::string cloud_folder = "clouds";
 };
 
+/// Data sheet of a pitot tube: keys of plugin airspeed.
 struct AirspeedSheet {
   double rate_hz = 0;
   WhiteNoise noise;  ///< Pa

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Both are masked by the process's umask.
+// Modes of new files and folders, before the process's umask.
 constexpr mode_t kNewFileMode = 0666;
 constexpr mode_t kNewFolder = 0777;
 constexpr int kMostNames = 16;  // tried for the file beside the one that is written

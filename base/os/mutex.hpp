@@ -37,7 +37,7 @@ class CAS_THREAD_SAFETY(scoped_lockable) MutexLock {
   explicit MutexLock(Mutex& mutex) CAS_THREAD_SAFETY(acquire_capability(mutex)) : mutex_(mutex) {
     mutex_.lock();
   }
-  /// Of a mutex that try_lock() has locked.
+  /// Takes over a mutex that try_lock() has locked.
   MutexLock(Mutex& mutex, std::adopt_lock_t /*locked*/) CAS_REQUIRES(mutex) : mutex_(mutex) {}
   ~MutexLock() CAS_THREAD_SAFETY(release_capability()) { mutex_.unlock(); }
   MutexLock(const MutexLock&) = delete;
@@ -62,7 +62,7 @@ class CAS_THREAD_SAFETY(capability("mutex")) SharedMutex {
   std::shared_mutex mutex_;
 };
 
-/// Holds a shared mutex alone.
+/// Holds a SharedMutex alone, for a writer, as long as it lives.
 class CAS_THREAD_SAFETY(scoped_lockable) ExclusiveLock {
  public:
   explicit ExclusiveLock(SharedMutex& mutex) CAS_THREAD_SAFETY(acquire_capability(mutex))
@@ -73,7 +73,7 @@ class CAS_THREAD_SAFETY(scoped_lockable) ExclusiveLock {
   std::scoped_lock<SharedMutex> lock_;
 };
 
-/// Holds a shared mutex together with others who read.
+/// Holds a SharedMutex together with other readers, as long as it lives.
 class CAS_THREAD_SAFETY(scoped_lockable) SharedLock {
  public:
   explicit SharedLock(SharedMutex& mutex) CAS_THREAD_SAFETY(acquire_shared_capability(mutex))

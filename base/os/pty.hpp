@@ -26,7 +26,7 @@ class CAS_BASE_EXPORT Pty {
 
   /// Non-blocking master; -1 while hung up.
   int master() const { return master_; }
-  /// Its other end, as the peer opens it: to see how many bytes wait there unread.
+  /// The slave, as the peer opens it: shows how many bytes wait there unread.
   int slave() const { return slave_; }
   /// "/dev/pts/N"; empty while hung up.
   const std::string& slave_name() const { return slave_name_; }

@@ -21,7 +21,7 @@
 namespace cas::base {
 namespace {
 
-// Of the record, whatever it names, so that a new one overwrites the old one completely.
+// Fixed length of the record, so that a new one overwrites the old one completely.
 constexpr std::size_t kRecordBytes = 64;
 
 std::filesystem::path lock_file(std::filesystem::path link) { return link += ".lock"; }
@@ -116,7 +116,7 @@ PtyLock::PtyLock(const std::filesystem::path& link) : file_(lock_file(link)) {
     if (!take_file_lock(lock_.get())) {
       throw CommandPortError(link.string() + " is offered by another program");
     }
-    // Its last owner may have unlinked the file between open and lock: then once more.
+    // The last owner may have unlinked the file between open and lock: then try again.
   } while (!is_at(lock_.get(), file_));
   if (!may_be_replaced(lock_.get())) {
     throw ConfigError(file_.string() + ": is no lock of a pseudo-terminal; " + link.string() +

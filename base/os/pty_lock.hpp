@@ -19,7 +19,7 @@ struct PtyIdentity {
   friend bool operator==(const PtyIdentity&, const PtyIdentity&) = default;
 };
 
-/// Of an open slave; nullopt when `fd` is no pseudo-terminal's slave.
+/// Identity of the slave that `fd` has open; nullopt when `fd` is no pseudo-terminal's slave.
 CAS_BASE_EXPORT std::optional<PtyIdentity> identify_pty(int fd);
 
 /// The lock file LINK.lock beside the symlink LINK of an offered pseudo-terminal. The program holds

@@ -17,7 +17,7 @@ inline constexpr const char* kServiceFolder = "/run/cas";
 ///   $XDG_RUNTIME_DIR/cas      where that folder is there and may be written to
 ///   `service_folder`          where it may be written to: that of casd.service
 ///   /tmp/cas-UID              made, mode 0700; a folder of another user is refused
-/// It need not be there yet. @throws ConfigError
+/// The folder need not exist yet. @throws ConfigError
 CAS_BASE_EXPORT std::filesystem::path runtime_folder(
     const std::filesystem::path& service_folder = kServiceFolder);
 

@@ -5,7 +5,8 @@
 
 namespace cas::base::rpc {
 
-/// Another program listens at the address.
+/// Thrown by Server::listen_tcp() when another program listens at the address; casd adds how a
+/// second casd gets a port of its own.
 class AddressInUse final : public ConfigError {
  public:
   using ConfigError::ConfigError;

@@ -13,7 +13,8 @@
 
 namespace cas::base::rpc {
 
-/// No connection, connection lost, or no answer in time.
+/// Thrown by Client when it cannot connect, loses the connection or gets no answer in time;
+/// timeout() tells the last case. An answer that is an error is a CallError.
 class CAS_BASE_EXPORT ConnectionError : public std::runtime_error {
  public:
   ConnectionError(const std::string& message, bool timeout)

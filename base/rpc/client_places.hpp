@@ -22,10 +22,10 @@ struct ClientOrigin {
   bool is_operator = false;
 };
 
-/// Of a TCP client: all of 127.0.0.0/8 and ::1 are one share, an IPv6 network of 64 bits is one,
-/// and an IPv4 address that IPv6 carries is the IPv4 address. Another family is the share "?".
+/// Origin of a TCP client: all of 127.0.0.0/8 and ::1 are one share, an IPv6 network of 64 bits is
+/// one, and an IPv4 address that IPv6 carries is the IPv4 address. Another family is the share "?".
 ClientOrigin tcp_origin(const sockaddr& address);
-/// Of a client on a Unix socket. @param server  the user that the server runs as
+/// Origin of a client on a Unix socket. @param server  the user that the server runs as
 ClientOrigin unix_origin(uid_t client, uid_t server);
 
 /// A client that has a place.

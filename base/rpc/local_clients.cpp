@@ -14,7 +14,7 @@ std::vector<LocalClient> connect_local() {
     try {
       clients.push_back({address, Client(address)});
     } catch (const ConnectionError&) {
-      // It has no listener any more, or this user may not connect.
+      // The socket has no listener any more, or this user may not connect.
     }
   }
   return clients;

@@ -23,6 +23,7 @@ namespace cas::base::rpc {
 /// How long a client may stay without a request.
 inline constexpr Duration kFirstRequestTime = std::chrono::seconds(10);
 
+/// What the clients of a Server may take of its places, memory and processor time.
 struct ServerLimits {
   std::size_t max_line_bytes = 64 * 1024;
   /// The clients of one address (all of loopback is one, an IPv6 network of 64 bits too) or of one

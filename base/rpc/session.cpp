@@ -28,7 +28,7 @@ constexpr auto kDrainTime = std::chrono::seconds(1);
 /// Cost of reading a line and writing its answer, beside the call itself.
 constexpr Duration kSocketCost = std::chrono::microseconds(30);
 
-/// Of this thread.
+/// CPU time that the calling thread has used.
 Duration processor_time() {
   timespec time{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);

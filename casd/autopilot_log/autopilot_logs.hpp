@@ -25,6 +25,7 @@ struct AutopilotLogStatus {
   std::optional<LogFilesStatus::Entry> file;
   std::string trouble;  ///< the newest while it is wanted, "does not send ..."; empty: none
 };
+/// The logs of all vehicles, and their files together, for the command port.
 struct AutopilotLogsStatus {
   LogFilesStatus files;
   std::vector<AutopilotLogStatus> vehicles;

@@ -13,7 +13,7 @@ namespace {
 
 using Words = base::cli::ArgumentWords;
 
-/// Of config/gains.yaml.
+/// Names of the loops in config/gains.yaml.
 Words loops() {
   return {.known = {"rollrate", "pitchrate", "yawrate", "roll", "pitch", "yaw", "position",
                     "velocity", "altitude", "climb"}};

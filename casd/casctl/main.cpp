@@ -99,7 +99,7 @@ std::string hint(int code) {
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-/// Of a call that was answered with an error.
+/// Exit code for a call that was answered with an error.
 int exit_code(const Options& options, int error) {
   // With --wait a vehicle that is not there was waited for until the time was over.
   const bool waited_in_vain = options.wait && error == base::rpc::kNoSuchVehicle;

@@ -72,7 +72,7 @@ class RouteLatency {
     times_[from].reset();
     --routes_;
   }
-  /// Of links that are gone, and of those beyond the first 64.
+  /// Times of packets from removed links, and from those beyond the first 64.
   const base::Histogram& others() const { return others_; }
   /// How many links a packet came from.
   std::size_t routes() const { return routes_; }
@@ -276,7 +276,7 @@ class LinkFigures {
   /// Once a second: forms the rates.
   void sample(base::RunTime now);
   std::vector<LinkStatus> links() const;
-  /// Of a link; empty: there is none with this id.
+  /// Name of a link; empty: there is none with this id.
   std::string name(LinkId id) const;
   /// Who sends a message to a link, and the link that it is heard on.
   /// Nothing: it was never sent there, or several do so, or it came over several links at the

@@ -20,7 +20,8 @@ class MessageCounters {
  public:
   /// A kind that was heard so recently is always kept.
   static constexpr base::Duration kFresh = std::chrono::seconds(30);
-  /// Of silent kinds the last heard are shown, as many as leave the table with these many in all.
+  /// Where there are more kinds than this, silent ones fill what the fresh leave of it, last heard
+  /// first.
   static constexpr std::size_t kRestingKinds = 512;
 
   struct Entry {

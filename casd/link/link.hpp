@@ -19,6 +19,11 @@ struct Arrivals {
 
 /// One communication path: opens itself, reads packets into the router, reopens itself after every
 /// trouble. All calls but those of port() come on the thread of its loop and never block.
+///
+///   LinkLoop::add -> (watch -> poll -> serve)* -> destroyed
+///
+/// A serial link, for example, opens its device in serve(), names the descriptor in watch(), and
+/// after an unplug tries to open again in a later serve().
 class Link {
  public:
   virtual ~Link() = default;

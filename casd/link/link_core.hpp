@@ -35,7 +35,7 @@ class Backoff {
   }
   /// There is reason to look at this moment.
   void look_at(base::RunTime when) { next_ = when; }
-  /// It worked, or there is reason to believe that it will.
+  /// An attempt worked, or there is reason to believe that one will.
   void reset() {
     delay_ = times_.first;
     next_ = base::RunTime{};

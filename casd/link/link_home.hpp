@@ -43,7 +43,7 @@ class LinkHome {
   bool has_own_loop(base::RunTime now);
   /// The link floods a loop that it shares. After has_own_loop().
   bool take_flooding(std::unique_ptr<Link>& link);
-  /// Its flood is over.
+  /// Takes back a link whose flood is over.
   bool take_calm(std::unique_ptr<Link>& link);
 
  private:

@@ -51,7 +51,7 @@ class DistantAlarm {
   DistantAlarm();
   /// @return whether it will ring by then; false: it is too near, poll has to watch the time
   bool covers(base::RunTime due, base::RunTime now);
-  /// It has rung.
+  /// Clears the alarm once it has rung.
   void stop();
   const OpenDescriptor& descriptor() const { return opened_; }
 

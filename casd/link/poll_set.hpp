@@ -70,7 +70,7 @@ class PollSet {
   int wait(const std::optional<timespec>& limit);
   /// Watches nothing until the next turn: another thread may close a descriptor from here on.
   void release();
-  /// Of poll(2), seen by the last wait.
+  /// Events that poll(2) reported at the last wait.
   short revents(std::size_t index) const { return entries_[index].revents; }
 
  private:

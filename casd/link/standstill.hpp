@@ -23,7 +23,7 @@ class Standstill {
   bool look_begins(base::RunTime now);
   /// Whether it took something so little time ago that nobody looks.
   bool rests(base::RunTime now) const { return now < rest_until_; }
-  /// It has taken bytes. @return whether its driver had been emptied meanwhile
+  /// The line has taken bytes. @return whether its driver had been emptied meanwhile
   bool ended(base::RunTime now);
   /// Whether it was given something that it has not been seen to take.
   bool pending() const { return since_ != base::RunTime{}; }

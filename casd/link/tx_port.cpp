@@ -134,7 +134,7 @@ std::size_t TxPort::write_some(std::span<const PacketRef> given, base::RunTime n
   return gone;
 }
 
-// It takes the line from now on, and counts as sent once it is whole.
+// The begun packet takes the line from now on, and counts as sent once it is whole.
 void TxPort::begin_tail(const PacketRef& packet, std::size_t gone, base::RunTime now) {
   tail_packet_.assign(packet.bytes.begin(), packet.bytes.end());
   tail_at_ = gone;
@@ -270,8 +270,8 @@ bool TxPort::stands_still(base::RunTime now) {
   return false;
 }
 
-// Of a peer that speaks a read has perhaps been missed, where nothing counts them. But a board
-// whose receiver hangs may speak for ever.
+// A peer that still sends has perhaps read unseen, where nothing counts its reads: it gets more
+// time. But not without end, because a board whose receiver hangs may send for ever.
 base::Duration TxPort::patience(base::RunTime now) const {
   constexpr int kWithAPeerThatSpeaks = 4;
   const base::Duration patience = standstill_.patience();

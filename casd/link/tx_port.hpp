@@ -20,6 +20,7 @@ namespace cas::casd {
 
 class LinkSigning;
 
+/// What a TxPort is told about its line and its queue when the link is made.
 struct TxPortOptions {
   TxQueueOptions queue = {};
   double line_bytes_s = 0;                    ///< rate of the line that writes are held to; 0: none
@@ -34,8 +35,8 @@ struct TxPortOptions {
 /// packets that wait for both. Whether a thread writes at once or waits for the line is decided by
 /// the class derived from it: DirectTxPort, BlockingTxPort.
 ///
-/// It reads no clock: time is an argument, and the writer says when a write was over. So the bench
-/// on the virtual clock sends with these classes, too.
+/// The port reads no clock: time is an argument, and the writer says when a write was over. So the
+/// bench on the virtual clock sends with these classes, too.
 ///
 /// What was written can still grow old in the driver, or in the terminal of a reader that has
 /// stopped. So a line that stands still gets nothing more until it moves again.
@@ -90,8 +91,7 @@ class TxPort : public PacketPort {
   base::Duration patience(base::RunTime now) const CAS_REQUIRES(writer_mutex_);
   /// Cares for a line that stands still. @return when to look at it again
   base::RunTime tend_still_line(base::RunTime now) CAS_REQUIRES(writer_mutex_);
-  /// Of packets that one read brought, those that are worth sending, in their order; good until the
-  /// next call.
+  /// Packets of one read that are worth sending, in their order; good until the next call.
   std::span<const PacketRef> worth_sending(std::span<const PacketRef> packets, base::RunTime now)
       CAS_REQUIRES(writer_mutex_);
 
@@ -114,7 +114,7 @@ class TxPort : public PacketPort {
   std::vector<std::uint8_t> tail_packet_ CAS_GUARDED_BY(writer_mutex_);
   std::size_t tail_at_ CAS_GUARDED_BY(writer_mutex_) = 0;
   PacketInfo tail_info_ CAS_GUARDED_BY(writer_mutex_);
-  /// Its check was made wrong, and it was counted as dropped.
+  /// The check of the begun packet was made wrong, and the packet counted as dropped.
   bool tail_spoilt_ CAS_GUARDED_BY(writer_mutex_) = false;
   OwnNumbers own_numbers_ CAS_GUARDED_BY(writer_mutex_);
   std::vector<PacketRef> worth_sending_ CAS_GUARDED_BY(writer_mutex_);

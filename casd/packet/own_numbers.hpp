@@ -22,7 +22,7 @@ class OwnNumbers {
     if (std::ranges::none_of(packets, is_own)) return packets;
     return renumber(packets);
   }
-  /// These have left, or are lost on their way.
+  /// Counts these packets' numbers as used: they have left, or are lost on their way.
   void sent(std::span<const PacketRef> packets);
 
   static bool is_own(const PacketRef& packet) { return packet.info->from == kLocalLink; }

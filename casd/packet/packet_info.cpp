@@ -78,7 +78,7 @@ namespace {
 
 /// Whether the extension `id` of HIL_SENSOR or HIL_GPS is there and not 0.
 bool is_of_further_sensor(const mav::PacketView& packet) {
-  // Both ids are the first byte behind the fields of MAVLink 1.
+  // In both messages the id is the first byte behind the fields of MAVLink 1.
   constexpr std::size_t kSensorId = 64;
   constexpr std::size_t kGpsId = 36;
   using namespace mavlink::common;  // NOLINT: two of its messages
@@ -102,7 +102,7 @@ std::optional<std::uint64_t> hil_time_usec(const mav::PacketView& packet) {
       return std::nullopt;
   }
   if (is_of_further_sensor(packet)) return std::nullopt;
-  // It leads the payload of all four; zeros at the end may be cut off.
+  // The time leads the payload of all four; zeros at the end may be cut off.
   std::array<std::uint8_t, sizeof(std::uint64_t)> bytes{};
   if (packet.payload.size() >= bytes.size()) {
     std::copy_n(packet.payload.begin(), bytes.size(), bytes.begin());  // one load

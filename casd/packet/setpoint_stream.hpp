@@ -13,7 +13,7 @@ namespace cas::casd {
 bool same_stream(const PacketInfo& a, const PacketInfo& b);
 
 /// Whether a setpoint covers an older one of its stream, so that the older one need not be sent.
-/// These may cover less, or something else: RC_CHANNELS_OVERRIDE (ignored channels),
+/// Messages that may not cover an older one: RC_CHANNELS_OVERRIDE (ignored channels),
 /// SET_ATTITUDE_TARGET and SET_POSITION_TARGET_* (fields that their type mask ignores; another
 /// frame), MANUAL_CONTROL (other buttons), SET_ACTUATOR_CONTROL_TARGET (another group).
 bool replaces(const PacketInfo& info, std::span<const std::uint8_t> newer,

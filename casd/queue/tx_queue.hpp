@@ -18,6 +18,7 @@
 
 namespace cas::casd {
 
+/// How old packets may grow in a TxQueue, and how much memory each class may take.
 struct TxQueueOptions {
   base::Duration hil_max_age = std::chrono::milliseconds(25);
   base::Duration gps_max_age = std::chrono::milliseconds(400);

@@ -45,7 +45,7 @@ bool LoopGuard::came_elsewhere(LinkId from, std::size_t place, Mark mark, Needs 
     if (table == nullptr || link == from) continue;
     const Mark there{(*table)[place].load(std::memory_order_relaxed)};
     if (!there.is_same(mark) || (once && there.repeats())) continue;
-    // Both may be of one unit: a forwarder on this machine sends back within a millisecond.
+    // Equal times count: a forwarder on this machine sends back within a millisecond.
     if (mark.since(there) <= units(kMemory)) return true;
   }
   return false;

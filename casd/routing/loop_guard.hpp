@@ -23,8 +23,8 @@ namespace cas::casd {
 /// brought before are copies, until none has come for kCalm. A packet that two links have brought
 /// twice proves nothing: its sender repeats itself, and one of its links may have died.
 ///
-/// It keeps a mark of each link's last packets, by sender and sequence number. `on_packet` for one
-/// link belongs to one thread at a time; different links may run on different threads.
+/// The guard keeps a mark of each link's last packets, by sender and sequence number. `on_packet`
+/// for one link belongs to one thread at a time; different links may run on different threads.
 class LoopGuard {
  public:
   enum class Verdict : std::uint8_t {

@@ -70,7 +70,7 @@ inline constexpr int kRouterRefusals = kDecisions - 2;
 constexpr bool is_refusal(Route::Decision decision) {
   return decision != Route::Decision::kForward && decision != Route::Decision::kCasdOnly;
 }
-/// Of every refusal.
+/// The cause under which a refused packet counts as dropped.
 constexpr DropCause cause_of(Route::Decision decision) {
   return static_cast<DropCause>(static_cast<int>(DropCause::kDuplicate) +
                                 static_cast<int>(decision) - 1);
@@ -84,7 +84,13 @@ static_assert(cause_of(Route::Decision::kDuplicate) == DropCause::kDuplicate &&
 std::string_view to_string(Route::Decision decision);
 
 /// Decides by the MAVLink routing guide and the rules of the topology where each packet goes. It
-/// moves no bytes and reads no clock.
+/// moves no bytes and reads no clock. Each link's Ingress asks it about every packet that it
+/// admits, and hands the packet to the links of the answer.
+///
+///   Route route = router.on_packet(link, packet, now);  // route.to: links that get it
+///   router.tick(link, now);                             // once a second
+///   router.replace(plan);                               // after a reload of the topology
+///   router.forget(link);                                // the link is gone
 ///
 /// `on_packet`, `tick` and `forget` for one link belong to one thread at a time; different links
 /// may run on different threads. `replace` may come from any thread.

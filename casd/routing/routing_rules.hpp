@@ -111,7 +111,8 @@ class ForwardTable {
   std::vector<RateLimit> limits_;
 };
 
-/// The rules of all links: an immutable snapshot once built.
+/// The rules of all links: an immutable snapshot once built, as a part of the plan that Router
+/// decides by. A new topology brings a new one.
 class ForwardRules {
  public:
   ForwardRules() = default;

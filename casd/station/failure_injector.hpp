@@ -71,8 +71,8 @@ class FailureInjector {
   void tick(base::RunTime now);
   /// When tick() has something to do; RunTime::max(): nothing under way.
   base::RunTime due() const;
-  /// These links are gone: their waiting requests are dropped and not answered. Until end_reload()
-  /// every packet with the number of such a link is refused, because it may come from the old link.
+  /// Drops, unanswered, the requests that wait on links that are gone. Until end_reload() every
+  /// packet with the number of such a link is refused, because it may come from the old link.
   void begin_reload(const LinkMask& gone, base::RunTime now);
   void end_reload() { gone_ = {}; }
 

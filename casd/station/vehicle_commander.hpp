@@ -52,6 +52,7 @@ inline constexpr base::Duration kStationTick = std::chrono::milliseconds(50);
 /// The longest time between two ticks of a station that waits for nothing: each wakes a thread.
 inline constexpr base::Duration kRestTick = std::chrono::milliseconds(250);
 
+/// What VehicleCommander sends of its own accord, what it may command, and its timing.
 struct CommanderOptions {
   mav::Source self = kOwnStation;
   double heartbeat_hz = 1;     ///< own HEARTBEAT as a ground station; 0 is silent. A vehicle that
@@ -101,7 +102,7 @@ class VehicleCommander final : public Station {
   void on_notice(std::function<void(const std::string&)> callback) {
     table_.on_notice(std::move(callback));
   }
-  /// These links are gone for good: vehicles that were heard on them alone are forgotten.
+  /// Forgets vehicles that were heard only on these links, which are gone for good.
   void forget(const LinkMask& links) { table_.forget(links); }
 
   /// Changes these options from now on. Where the consent is withdrawn, a command under way that
@@ -154,7 +155,7 @@ class VehicleCommander final : public Station {
     double east_m = 0;
     double down_m = 0;
     std::optional<double> yaw_deg;
-    /// Of the circle about the place that a vehicle on its wing flies; below 0 counter-clockwise.
+    /// Radius of the circle about the place, for a vehicle on its wing; below 0: counter-clockwise.
     std::optional<double> radius_m{};
   };
   void go_to(std::uint8_t system, const Target& target, base::RunTime now, Done done,
@@ -193,7 +194,7 @@ class VehicleCommander final : public Station {
   void set_param(std::uint8_t system, const std::string& name, double value, base::RunTime now,
                  Done done, bool not_hil = false);
   void list_params(std::uint8_t system, base::RunTime now, Done done);
-  /// Of the list of parameters that a vehicle sends; nullopt: none is under way.
+  /// Progress of the list of parameters that a vehicle sends; nullopt: none is under way.
   std::optional<mav::services::ListProgress> list_progress(std::uint8_t system) const;
   /// The type in the newest PARAM_VALUE of a parameter.
   std::optional<mavlink::common::MavParamType> param_type(std::uint8_t system,

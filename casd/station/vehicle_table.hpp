@@ -83,7 +83,7 @@ class VehicleTable {
   KnownVehicle* track(const Origin& from, const mav::PacketView& packet, base::RunTime now);
   /// Gives notice of rivals that are gone, and forgets silent vehicles.
   void tick(base::RunTime now);
-  /// These links are gone for good: vehicles that were heard on them alone are forgotten.
+  /// Forgets vehicles that were heard only on these links, which are gone for good.
   void forget(const LinkMask& links);
 
   KnownVehicle* find(std::uint8_t system) const;

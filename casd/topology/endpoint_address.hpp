@@ -23,7 +23,7 @@ class EndpointAddress {
   /// The machine's own name: one of its addresses, whichever.
   bool is_own_name() const;
   bool is_any() const;  ///< 0.0.0.0 or ::
-  /// Of an address where nothing can be sent, and what people mean by it.
+  /// Error for an address where nothing can be sent, with what people mean by it.
   static constexpr std::string_view kNoDestination =
       "is no destination: to listen there for whoever connects, make it `local` of a udp_server or "
       "tcp_server (udpin:, tcpin:); to send on this machine, write 127.0.0.1";

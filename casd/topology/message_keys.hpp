@@ -17,7 +17,7 @@ std::vector<base::ConfigNode> one_or_many(const base::ConfigNode& node);
 /// One message by its name or its number; `node` is named in the error. @throws base::ConfigError
 std::uint32_t parse_message(const base::ConfigNode& node, const std::string& text);
 
-/// Its name; the number of one that no public dialect has.
+/// Name of a message; its number, if no public dialect has it.
 std::string message_word(std::uint32_t id);
 
 /// HIL_SENSOR and all others of the HIL loop.

@@ -28,7 +28,7 @@ struct RouteConfig {
 /// @throws base::ConfigError
 std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
                                      const std::vector<LinkConfig>& links);
-/// Those of a topology without `routes`: every link talks to every other one.
+/// Routes of a topology without `routes`: every link talks to every other one.
 std::vector<RouteConfig> routes_between_all(const std::vector<LinkConfig>& links);
 
 /// A route's filters as `casd --check` prints them: "only HIL_SENSOR, not systems 2".

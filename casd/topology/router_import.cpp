@@ -185,7 +185,7 @@ class Import {
     return bracketed(host);
   }
 
-  /// Of a peer, which has a port of its own.
+  /// Port of a peer, never 0; nullopt when the key is missing.
   std::optional<unsigned> remote_port(RouterSection& section) {
     const std::optional<unsigned> port = config_.port(section, "Port");
     if (port == 0)

@@ -8,6 +8,7 @@
 
 namespace cas::casd {
 
+/// A topology made from the configuration of mavlink-router, with what casd does otherwise.
 struct ImportedTopology {
   std::string yaml;                ///< a topology file; its head has the notes as comments
   std::vector<std::string> notes;  ///< "FILE:LINE: key: " and how casd differs, by line

@@ -39,6 +39,7 @@ enum class Pace : std::uint8_t {
   kLockstep,  ///< the time stamps of the HIL_SENSOR stream
 };
 
+/// Addresses of the command port, and who may use it.
 struct CommandPortConfig {
   std::string address = "127.0.0.1";
   std::uint16_t port = base::rpc::kCommandPort;
@@ -59,6 +60,7 @@ struct MetricsConfig {
   friend bool operator==(const MetricsConfig&, const MetricsConfig&) = default;
 };
 
+/// What casd's own station sends by itself, and what it may command.
 struct CommandingConfig {
   double heartbeat_hz = 1;
   bool allow_not_hil = false;  ///< consent to arm a vehicle that is not in HIL
@@ -86,11 +88,12 @@ struct Topology {
   std::filesystem::path dialect;  ///< MAVLink XML beside the generated dialect; empty: none
   std::filesystem::path gains;    ///< empty: none; loop name -> parameter names per autopilot
 
-  /// Of a file with what overlays it, or of a folder: load_topology_files().
+  /// Reads a file with what overlays it, or a folder: load_topology_files().
   /// @throws ConfigError "FILE:LINE: key: sentence"
   static Topology load(const std::filesystem::path& place);
   static Topology parse(const base::ConfigNode& root);
-  /// Of files that overlay each other, see overlaid(): links by their names, routes by their ends.
+  /// Reads files that overlay each other, see overlaid(): links by their names, routes by their
+  /// ends.
   static Topology parse(const std::vector<base::ConfigNode>& files);
 
   /// Puts `pace` to lockstep. Its lines are not paced and nothing in a queue grows old: simulated

@@ -200,7 +200,7 @@ void SerialLink::close(const std::string& reason, base::RunTime now) {
   unattached_.reset();
   port_->detach(now);
   core_.went_down(reason, now);
-  // It may be back already, before its path was watched.
+  // The device may have come back before its path was watched.
   core_.backoff().look_at(std::max(now, opened_at_ + kLeastLineUptime));
 }
 

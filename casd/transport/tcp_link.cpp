@@ -402,7 +402,7 @@ void TcpServerLink::remove(std::size_t index, const std::string& reason, base::R
   core_.counters().peers.set(clients_.size());
 }
 
-/// Of those that speak no MAVLink only the first is worth a line: a page can open many.
+/// Clients that speak no MAVLink get one line in all: a page can open many.
 void TcpServerLink::log_removal(const std::string& client, const std::string& reason,
                                 base::RunTime now) {
   const std::string line = client + " " + reason;

@@ -109,8 +109,8 @@ class DatagramSender {
  public:
   struct Result {
     std::size_t packets = 0;  ///< sent or refused
-    /// Of `packets`: the peer or the network takes none now; rising indices, good until the next
-    /// call.
+    /// Indices of `packets` that the peer or the network does not take now, rising; good until the
+    /// next call.
     std::span<const std::size_t> refused = {};
     int refusal = 0;                    ///< why the last of `refused` was
     std::uint64_t refused_earlier = 0;  ///< packets of earlier calls that the peer has refused

@@ -46,8 +46,8 @@ inline std::vector<ExternalAhrsParam> external_ahrs_params(const ParamValues& no
           {"INS_ENABLE_MASK", 1, "the external IMU alone: it is the first"}};
 }
 
-/// Those that are otherwise, or not there. Pure. ArduPilot shows those of External AHRS alone while
-/// EAHRS_TYPE is not 0.
+/// Parameters of external_ahrs_params() that have another value or are missing. Pure. ArduPilot
+/// shows those of External AHRS only while EAHRS_TYPE is not 0.
 inline std::vector<ExternalAhrsParam> external_ahrs_lacks(const ParamValues& now, int port) {
   std::vector<ExternalAhrsParam> lacks;
   for (ExternalAhrsParam& param : external_ahrs_params(now, port)) {

@@ -40,7 +40,7 @@ struct AllocationSetup {
   std::vector<Servo> servos;
   base::Effectiveness hinge_B;  ///< of each servo: per omega^2 along the hinge, at any tilt
 
-  /// Of a vehicle; all rotors have the same weight.
+  /// Setup for a vehicle; all rotors have the same weight.
   /// @param lost  rotors that leave no wake to the one below
   static AllocationSetup of(const base::Vehicle& vehicle, RotorSet lost = 0);
 };
@@ -129,7 +129,7 @@ class ControlAllocation {
   std::vector<AllocationSetup::Servo> servos_;
   Inverse<3> lift_;  // of U1, U2, U3
   Inverse<1> turn_;  // of U4
-  /// Of U4 with one of the rotors as it is; only where a rotor is lost.
+  /// Inverse of U4 with one of the rotors as it is, for each rotor; only where a rotor is lost.
   std::vector<Inverse<1>> turn_without_;
   Inverse<2> side_;  // of the forces along Dx, Dy
   bool has_lift_ = false, has_yaw_ = false;

@@ -50,7 +50,8 @@ class LowPass {
   Eigen::Vector3d y1_ = Eigen::Vector3d::Zero(), y2_ = Eigen::Vector3d::Zero();
 };
 
-/// Body-rate loop: PID with feed-forward, derivative on the filtered measurement.
+/// Body-rate loop: PID with feed-forward, derivative on the filtered measurement. ControlCascade
+/// has it innermost; the environment of hils runs it alone for actions that are rates.
 class RateController {
  public:
   void set_params(const ControlParams& params);

@@ -20,8 +20,9 @@ namespace cas::fcu {
 ///
 ///   r = K (I w - integral(M omega^2 - w x I w + r)),   r -> that moment, lagged by 1/K
 ///
-/// Its slow part comes from wind and centre of gravity and is subtracted. If the rest matches the
-/// missing moment of one rotor best, in direction and size, for long enough, that rotor is lost.
+/// The slow part of r comes from wind and centre of gravity and is subtracted. If the rest matches
+/// the missing moment of one rotor best, in direction and size, for long enough, that rotor is
+/// lost.
 /// Servos are assumed to follow commanded tilts with their lag and their fastest rate. Slow rotors
 /// are not checked, a rotor that keeps a good part of its thrust is not found, and the roll moments
 /// of the upper and lower rotor of a coaxial pair differ by their yaw alone.

@@ -64,7 +64,7 @@ TotalEnergy::Output TotalEnergy::update(const Input& in, double dt) {
   const double error = balance_wanted - (of_height * potential - of_speed * kinetic);
   path_integral_ += p.pitch_integrator * error * dt;
   path_integral_ = std::clamp(path_integral_, -kMostTrim_rad, kMostTrim_rad);
-  // Of the wanted rates that of height is an angle beforehand; that of speed is the throttle's as
+  // The wanted rate of height is fed forward as an angle; that of speed is left to the throttle as
   // long as height counts in full.
   const double beforehand = of_height * potential_wanted - (1 - of_height) * kinetic_wanted;
   out.path_angle_rad = beforehand + p.pitch_damping * error + path_integral_;

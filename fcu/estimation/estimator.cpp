@@ -399,7 +399,7 @@ void Estimator::fuse_gps_velocity(const GpsInput& fix, const Vector3d& measured_
     rejected_velocity_sum_N_ += fix.velocity_N;
     if (++velocity_rejections_ < kVelocityRejections) return;
     if (!velocity_fits_positions(fix, measured_N)) return;
-    // It is the prediction that is wrong: a blow that the accelerometer missed.
+    // The prediction is wrong, not the fix: the accelerometer missed a blow.
     const double doubt = innovation.squaredNorm();
     covariance_.add_walk(ErrorCovariance::kVelocity, doubt);
     covariance_.add_walk(ErrorCovariance::kPosition, doubt);

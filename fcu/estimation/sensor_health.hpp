@@ -32,7 +32,8 @@ class StuckValue {
   bool noisy_ = false;
 };
 
-/// Tells living sensors from dead and frozen ones.
+/// Tells living sensors from dead and frozen ones. The HIL input notes each sample here; Commander,
+/// failsafes and telemetry ask which sensors live.
 class SensorHealth {
  public:
   enum Sensor { kImu, kMag, kBaro, kGps, kOdometry, kSensors };

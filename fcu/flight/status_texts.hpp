@@ -10,7 +10,8 @@
 
 namespace cas::fcu {
 
-/// Messages in words that wait to be sent as STATUSTEXT.
+/// Texts that wait to be sent as STATUSTEXT. Commander and protocols add them; GroundProtocols
+/// takes and sends them. Beyond 64 a text is dropped.
 class StatusTexts {
  public:
   using Severity = mavlink::common::MavSeverity;

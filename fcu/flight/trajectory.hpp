@@ -41,9 +41,9 @@ class Mover {
   const Eigen::Vector3d& target() const { return target_N_; }
   /// rad
   double target_yaw() const { return target_yaw_; }
-  /// Of the setpoint now, in N, m.
+  /// Present setpoint, in N, m.
   const Eigen::Vector3d& position() const { return p_N_; }
-  /// Of the setpoint now, rad.
+  /// Yaw of the present setpoint, rad.
   double yaw() const { return yaw_; }
   /// Whether the setpoint has reached the target.
   bool arrived() const;

@@ -30,7 +30,7 @@ class WingTask final : public FlightTask {
   bool done(const TaskContext& context) const override;
   bool wants_takeoff(const TaskContext&) const override { return mode_ == FlightMode::kTakeoff; }
   bool descending(const TaskContext&) const override { return stage_ >= Stage::kSlope; }
-  /// It has stood on the ground for a while after a landing.
+  /// Whether the vehicle has stood on the ground for a while after a landing.
   bool landed() const;
 
  private:

@@ -407,8 +407,6 @@ void LineModel::hang_up() {
   sending_.clear();
 }
 
-// Both directions.
-
 EmulatorLine::EmulatorLine(const LineConfig& config, std::uint64_t seed)
     : up_(config, base::derive_seed(seed, "line_up")),
       down_(config, base::derive_seed(seed, "line_down")) {}

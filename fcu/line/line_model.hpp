@@ -171,7 +171,7 @@ class LineModel {
   Stats stats_;
 };
 
-/// Both directions of the emulated controller's serial line. Downwards only whole packets enter: a
+/// The emulated controller's serial line in both directions. Downwards only whole packets enter: a
 /// packet without room in the send buffer is dropped and counted, as a controller's driver does.
 class EmulatorLine {
  public:

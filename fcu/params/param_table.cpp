@@ -125,7 +125,7 @@ void visit_rotors(Visitor& v, const Airframe& airframe, ControlParams& c) {
 void visit_estimator(Visitor& v, EstimatorParams& e) {
   const char* const axes[] = {"X", "Y", "Z"};
   for (int axis = 0; axis < 3; ++axis) {
-    // Of one sample: rad/s and m/s^2.
+    // Deviation of one sample: rad/s and m/s^2.
     v.real(std::string("CAS_GYR_NOISE_") + axes[axis], e.gyro_noise_rad_s[axis], 1e-6, 1);
     v.real(std::string("CAS_ACC_NOISE_") + axes[axis], e.accel_noise_m_s2[axis], 1e-5, 20);
   }

@@ -27,7 +27,7 @@ struct FcuCore;
 /// missions, setpoints, sticks, telemetry, files. The HIL stream is not among it.
 class GroundProtocols {
  public:
-  /// Its collaborators. All outlive it.
+  /// Collaborators; all outlive the protocols.
   struct View {
     const FcuCore& core;  ///< for telemetry
     CommandTarget target;

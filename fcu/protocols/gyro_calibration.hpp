@@ -21,7 +21,6 @@ class GyroCalibration {
  public:
   using Result = mavlink::common::MavResult;
 
-  /// Its collaborators.
   struct Parts {
     const Commander& commander;
     const Estimator& estimator;

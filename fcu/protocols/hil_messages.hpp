@@ -26,7 +26,7 @@ namespace cas::fcu {
 /// by. Those of id 0 are the clock. Further compasses and barometers are not used.
 class SensorInput {
  public:
-  /// Its inputs and outputs. All outlive it.
+  /// What the input feeds and reads. All outlive it.
   struct View {
     Estimator& estimator;
     ControlCascade& cascade;

@@ -26,10 +26,10 @@ constexpr double kLongestInterval_us = 1e9;
 
 /// Streams of this interval and longer are not slowed down: a ground station lives on HEARTBEAT.
 constexpr base::Duration kKept = std::chrono::seconds(1);
-/// Of the usual rates: something is always sent, as with PX4.
+/// Least share of the usual rates: something is always sent, as with PX4.
 constexpr double kLeastShare = 0.05;
 
-/// Of a packet of MAVLink 2 without extensions and signature.
+/// Length of a MAVLink 2 packet without extensions and signature.
 double packet_bytes(std::uint32_t id) {
   constexpr double kAroundPayload = 12;
   const mav::MessageInfo* info = mavlink::common::table().find(id);

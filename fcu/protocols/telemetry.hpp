@@ -18,7 +18,7 @@ namespace cas::fcu {
 /// when the line has sent it beside the controls, so that these wait for one at most.
 class Telemetry {
  public:
-  /// Both outlive it.
+  /// @param core, outbox  outlive the telemetry
   Telemetry(const FcuCore& core, Outbox& outbox);
 
   /// Sends the messages that are due.

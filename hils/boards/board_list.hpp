@@ -19,7 +19,7 @@ enum class HookKind { kFlash, kPowerOn, kPowerOff, kReset, kConsole };
 inline constexpr std::array kHookKinds{HookKind::kFlash, HookKind::kPowerOn, HookKind::kPowerOff,
                                        HookKind::kReset, HookKind::kConsole};
 
-/// Its key in boards.yaml: "power_on".
+/// Key of the hook in boards.yaml: "power_on".
 std::string_view to_string(HookKind kind);
 
 /// A command of the user.
@@ -60,7 +60,7 @@ struct Board {
   std::optional<BoardLog> log{};                      ///< nullopt: it is not fetched
   std::map<HookKind, BoardHook> hooks{};
 
-  /// Its identity in any list: its serial number, else its path.
+  /// Identity of the board in any list: its serial number, else its path.
   std::string identity() const { return serial.empty() ? device.string() : serial; }
 };
 

@@ -32,7 +32,7 @@ namespace {
 namespace fs = std::filesystem;
 using OrderedJson = nlohmann::ordered_json;
 
-/// Those of hils run. A flight without a replay keeps its verdict.
+/// Writes the files that hils run writes. A flight without a replay keeps its verdict.
 void write_artefacts(const RunRequest& request, const RunResult& run) {
   write_results(request, run);
   write_ulog(request, run.vehicles.front().record, 0);

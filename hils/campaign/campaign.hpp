@@ -70,8 +70,8 @@ struct CampaignCell {
   std::size_t failure = 0;  ///< index in Campaign::failures
   std::size_t phase = 0;    ///< index in Campaign::phases
 };
-/// Those that are flown, failure by failure. The study's point i is cell i - 1; after the last cell
-/// comes a point without a failure.
+/// The cells that are flown, failure by failure. The study's point i is cell i - 1; after the last
+/// cell comes a point without a failure.
 std::vector<CampaignCell> cells_of(const Campaign& campaign);
 
 /// The campaign as a study of `hils sweep`: one parameter, the scenario's `faults`.

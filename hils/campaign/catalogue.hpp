@@ -56,7 +56,7 @@ inline constexpr std::string_view kDuration = "for_s";
 /// Failures by name, in the order of their files.
 class FailureCatalogue {
  public:
-  /// Those of the shipped config/failures.yaml. @throws base::ConfigError
+  /// The failures of the shipped config/failures.yaml. @throws base::ConfigError
   static FailureCatalogue shipped();
   /// Adds the failures of a file. @throws base::ConfigError, also for a name that is known already
   void add(const std::filesystem::path& file);

@@ -31,7 +31,7 @@ const std::vector<ColumnGroup>& comparison_groups();
 
 /// Mean and interval over the valid runs that have the figure.
 std::optional<Mean> mean_of_valid(const VariantResult& result, FigureColumn column);
-/// Of the differences a - b over the seeds that are valid in both.
+/// Mean and interval of the differences a - b over the seeds that are valid in both.
 std::optional<Mean> difference_of(const VariantResult& a, const VariantResult& b,
                                   FigureColumn column);
 /// The pairs that are worth a difference: TCAS less each other one at the same baud rate, and less

@@ -36,7 +36,7 @@ class Buffer {
   Buffer(const Buffer&) = delete;
   Buffer& operator=(const Buffer&) = delete;
 
-  /// Its numbers, of which there must be `count`.
+  /// Reads the buffer's numbers, of which there must be `count`.
   void read(std::size_t count, Numbers& numbers) const {
     require(count);
     for (std::size_t i = 0; i < count; ++i) {

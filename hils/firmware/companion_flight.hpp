@@ -66,7 +66,7 @@ class CompanionFlight {
   void after_look(base::SimTime now);
 
   Answer give(const FlightStep& step, const Vehicle& vehicle);
-  /// Its firmware has rebooted and forgotten all requests.
+  /// The vehicle's firmware has rebooted and forgotten all requests.
   void on_reboot() { asked_for_position_ = false; }
   /// No sticks from now on, or again.
   void lose_sticks(bool lost);

@@ -150,7 +150,7 @@ class AhrsPreparation {
     }
   }
 
-  /// It is refused until the estimator knows where it is.
+  /// Calibrates the compass by its heading; refused until the estimator knows where it is.
   std::optional<std::string> calibrate_compass() {
     const base::RunTime deadline = base::steady_now() + kHeadingPatience;
     for (;;) {

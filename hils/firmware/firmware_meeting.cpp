@@ -25,7 +25,7 @@ constexpr base::Duration kVersionPatience = std::chrono::seconds(20);
 constexpr base::Duration kFirstSignPatience = std::chrono::seconds(20);
 /// For all parameters of a firmware. casd ends a list 10 s after the last new parameter.
 constexpr base::Duration kParamPatience = std::chrono::minutes(20);
-/// Of a firmware's output, in an error.
+/// Lines of a firmware's output that an error quotes.
 constexpr std::size_t kTailLines = 8;
 constexpr base::Duration kAskAgain = std::chrono::seconds(3);
 

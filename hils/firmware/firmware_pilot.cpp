@@ -453,7 +453,7 @@ class FirmwareFlight final : public FlightBench {
     });
   }
 
-  /// Those with live outputs.
+  /// Disarms the vehicles with live outputs.
   void leave_disarmed() {
     if (!deck_.scenario.firmware->external_ahrs) return;
     for (const auto& vehicle : vehicles_) vehicle->leave_disarmed();

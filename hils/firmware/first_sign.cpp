@@ -66,7 +66,7 @@ bool look_at_casd(const json& links, bool on_serial_line, std::vector<std::strin
   return came;
 }
 
-/// Of the words that casd has for MAV_TYPE.
+/// Whether casd's word for a MAV_TYPE may be a multirotor.
 bool is_multirotor(std::string_view type) {
   constexpr std::array<std::string_view, 3> kOthers{"fixed_wing", "rover", "helicopter"};
   return std::ranges::find(kOthers, type) == kOthers.end();

@@ -19,7 +19,7 @@ namespace cas::hils {
 namespace {
 
 constexpr base::Duration kLookForTheEnd = std::chrono::milliseconds(100);
-// Of the line model, one for each direction.
+// Seeds of the line models, one for each direction.
 constexpr std::uint64_t kSeedThere = 1;
 constexpr std::uint64_t kSeedBack = 2;
 

@@ -86,7 +86,7 @@ struct ScenarioFaults {
   std::vector<BenchFault> bench;
   std::vector<VehicleFault> vehicle;
   bool empty() const { return bench.empty() && vehicle.empty(); }
-  /// Those that plugin `fault` of one vehicle plays.
+  /// The faults that plugin `fault` of one vehicle plays.
   std::vector<VehicleFault> of_vehicle(std::size_t vehicle) const;
 };
 

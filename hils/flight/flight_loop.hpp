@@ -68,6 +68,11 @@ class FlightBench {
 /// Takes the vehicles of a flight through their steps, in turns:
 ///
 ///   look -> steps -> phase -> faults -> show -> commands -> answers, at once or later
+///
+/// Every kind of run flies with it, over a FlightBench of its own: real time, lockstep, stock
+/// firmware and the virtual clock. A flight of two steps, say takeoff and land: fly() gives takeoff
+/// in the first turns, looks until its condition holds, gives land, and returns once the plan has
+/// ended.
 class FlightLoop {
  public:
   /// @param bench  outlives the loop

@@ -29,8 +29,8 @@ constexpr base::Duration kStillAtItemFor = seconds(6);
 constexpr double kSlowMS = 0.4;
 /// A vehicle on its wing has taken off this far below its height: it goes on to a circle there.
 constexpr double kClimbed_m = 2;
-/// It flies on its circle when it has stayed near to it and to its height for this long, by its
-/// estimate.
+/// A vehicle flies on its circle when its estimate has stayed near the circle, and near its height,
+/// for this long.
 constexpr double kOnCircleHeight_m = 3;
 constexpr base::Duration kOnCircleFor = seconds(10);
 constexpr base::Duration kStillFor = seconds(1);

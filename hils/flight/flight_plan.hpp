@@ -71,13 +71,13 @@ struct Stage {
 
 /// Differences of stock firmware from our controller.
 struct FirmwareHabits {
-  /// It accepts arming before it can take off, and disarms itself on the ground (PX4 v1.12.0 after
-  /// 8 s, ArduCopter 4.5.6 after 10 s). So it is armed once it has its position, and a flight in
-  /// which it is disarmed before it has lifted off has failed: it is not armed again.
+  /// The vehicle accepts arming before it can take off, and disarms itself on the ground (PX4
+  /// v1.12.0 after 8 s, ArduCopter 4.5.6 after 10 s). So it is armed once it has its position, and
+  /// a flight in which it is disarmed before it has lifted off has failed: it is not armed again.
   bool arms_early = false;
   /// A landed vehicle disarms itself within this long; a disarm step leaves it the time.
   base::Duration disarms_itself{};
-  /// Its trajectories are streamed to it as setpoints (PX4: OFFBOARD, ArduCopter: GUIDED).
+  /// Trajectories are streamed to the vehicle as setpoints (PX4: OFFBOARD, ArduCopter: GUIDED).
   bool flies_setpoints = false;
 };
 

@@ -24,7 +24,7 @@ inline constexpr std::string_view kVehicleName = "iris0";
 
 /// The vehicles of a scenario by name, in its order.
 using VehicleNames = std::vector<std::string>;
-/// Those of a scenario with one vehicle.
+/// The names in a scenario with one vehicle.
 inline VehicleNames only_vehicle() { return {std::string(kVehicleName)}; }
 
 /// Reads the optional key `vehicle` of a step or a fault.

@@ -29,7 +29,7 @@ struct PlannedItem {
 struct MissionPlan {
   std::vector<PlannedItem> items{};
 
-  /// It can be flown from the ground: the first item that flies anywhere is a takeoff.
+  /// Whether it can be flown from the ground: the first item that flies anywhere is a takeoff.
   bool takes_off() const;
   /// The last item that flies anywhere lands, or returns and lands.
   bool lands() const;

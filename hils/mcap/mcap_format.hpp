@@ -13,9 +13,9 @@ static_assert(std::endian::native == std::endian::little, "MCAP is little-endian
 
 /// Begin and end of a file.
 inline constexpr std::string_view kMcapMagic{"\x89MCAP0\r\n", 8};
-/// Of a record before its content: opcode and length (uint64).
+/// Bytes of a record before its content: opcode and length (uint64).
 inline constexpr std::size_t kMcapRecordHead = 9;
-/// Of a message before its data: channel, sequence, time of log, time of publication.
+/// Bytes of a message before its data: channel, sequence, time of log, time of publication.
 inline constexpr std::size_t kMcapMessageHead = 22;
 
 enum class McapOpcode : std::uint8_t {

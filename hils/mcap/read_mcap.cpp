@@ -171,7 +171,7 @@ class McapReader {
     }
   }
 
-  /// Of the records that may be in a chunk.
+  /// Handles the records that may be in a chunk.
   void on_content(McapOpcode opcode, McapContentReader& content) {
     switch (opcode) {
       case McapOpcode::kSchema: {

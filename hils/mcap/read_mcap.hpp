@@ -17,7 +17,8 @@ struct McapChannel {
   std::string schema;    ///< its name; empty: none
 };
 
-/// Receives the contents of a file in their order.
+/// Receives the contents of a file in their order from read_mcap(). The replay collects its page
+/// with one.
 class McapListener {
  public:
   virtual ~McapListener() = default;

@@ -19,7 +19,7 @@ namespace cas::hils {
 /// hils as a companion computer of stock firmware: the ids of no vehicle (1..), of casd (254/190)
 /// and of no usual station (255/190).
 inline constexpr mav::Source kCompanion{253, 191};
-/// Of its sticks: ArduPilot takes those of system SYSID_MYGCS (255) alone.
+/// Sender of the companion's sticks: ArduPilot takes those of system SYSID_MYGCS (255) alone.
 inline constexpr mav::Source kCompanionSticks{255, 191};
 
 /// The parameters of a vehicle before its first step.
@@ -44,7 +44,7 @@ struct AhrsFigures {
   std::uint64_t crc_errors = 0;  ///< lines of the driver
   double longest_gap_ms = 0;     ///< between two packets, by the wall clock
 };
-/// Of the simulator's statistics; nullopt: the vehicle has no such line.
+/// Figures of one vehicle's line from the simulator's statistics; nullopt: it has no such line.
 std::optional<AhrsFigures> ahrs_figures(const nlohmann::json& statistics,
                                         const std::string& vehicle);
 

@@ -12,7 +12,7 @@
 namespace cas::hils {
 
 /// A landing of PX4 comes down at 0.7 m/s (MPC_LAND_SPEED); landing gear of this size takes 1 to 2.
-/// Of a plane that rolls on the ground the vertical speed counts.
+/// For a plane that rolls on the ground the vertical speed counts.
 inline constexpr double kCrashSpeed_m_s = 3.0;
 /// Beyond it little lift is left (cos 75 degrees = 0.26), and no step asks for it: controllers are
 /// limited to 45 (MPC_TILTMAX_AIR).
@@ -25,6 +25,7 @@ inline constexpr double kTurning_rad_s = 50.0;
 /// Angle between the vehicle's axis and the vertical.
 double tilt_deg(const Pose& pose);
 
+/// Something that went wrong with the vehicle in a flight, by the true motion.
 struct Incident {
   IncidentKind kind{};
   double time_s = 0;  ///< simulated

@@ -135,7 +135,7 @@ void check_machine(const Measurement& figures, Checks& checks) {
 /// the next control that is due.
 void check_controller(const Measurement& figures, Checks& checks) {
   if (figures.from_device) return;
-  // It stamps a sample when it reads it: later than others, when it had no processor.
+  // The controller stamps a sample when it reads it: later than others, when it had no processor.
   const double most_late = most_late_ms(figures);
   add_machine(checks, bounded(figures, "reading_spread_us", 1e3 * most_late),
               fmt::format("1 % of HIL_SENSOR was read {:.1f} ms later than the median one, and "
@@ -389,7 +389,7 @@ void check_flown(const Measurement& figures, Checks& checks) {
              "the flight was not completed: " + figures.flight_failure.value_or(""));
 }
 
-/// Those that happened in the order of time, then the kinds that did not happen.
+/// Adds the incidents in the order of time, then the kinds that did not happen.
 void check_incidents(const std::vector<Incident>& incidents, const Limits& limits, Checks& checks) {
   const auto wanted = [&limits](IncidentKind kind) {
     return limits.allow.contains(kind) ? "allowed" : "none";

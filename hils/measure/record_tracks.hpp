@@ -14,7 +14,8 @@
 
 namespace cas::hils {
 
-/// One file of a run, read from its begin to its end.
+/// One record of a run, read from its begin to its end. RecordTracks merges several into one
+/// stream.
 class RecordTrack {
  public:
   virtual ~RecordTrack() = default;

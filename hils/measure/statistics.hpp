@@ -18,7 +18,7 @@ struct Mean {
 
 Mean mean_of(std::span<const double> values);
 
-/// Of the differences a[i] - b[i]: runs with the same seed compared with each other.
+/// Mean of the differences a[i] - b[i]: runs with the same seed compared with each other.
 Mean mean_difference(std::span<const double> a, std::span<const double> b);
 
 /// Two-sided 95 % quantile of Student's t with `degrees` degrees of freedom, from 1.

@@ -40,7 +40,7 @@ inline constexpr std::array<RmsAxis, 4> kRmsAxes{{{"x_m", "m", &RmsFigures::x_m}
 /// with straight lines between them. Microseconds.
 class ClockMap {
  public:
-  /// Both clocks at one moment; moments come in order.
+  /// Adds a moment, read on both clocks; moments come in order.
   void add(std::int64_t log_us, std::int64_t sim_us);
   /// Simulated time at a moment of the log; beyond the ends the clocks run alike.
   std::int64_t to_sim_us(std::int64_t log_us) const;

@@ -18,9 +18,9 @@ namespace {
 /// Largest error of a stock autopilot's estimate (2 m) plus the radius within which a place counts
 /// as reached: 2 m for multicopters (PX4 NAV_ACC_RAD, ArduCopter WPNAV_RADIUS).
 constexpr double kOff_m = 4;
-/// Of the distance from home: projections of the autopilot and of the simulator differ.
+/// Share of the distance from home: projections of the autopilot and of the simulator differ.
 constexpr double kOffShare = 0.01;
-/// Of a trajectory's extent: a vehicle that lags behind or rounds corners still covers more.
+/// Share of a trajectory's extent: a vehicle that lags behind or rounds corners still covers more.
 constexpr double kLeastOfExtent = 0.5;
 /// Share of the mean square of the rotors' speeds in flight, which is proportional to thrust: a
 /// vehicle with less is on the ground.

@@ -23,9 +23,9 @@ struct ExitStatus {
 
 /// A program started by hils, in its own process group, which dies with its parent.
 ///
-/// Its output goes to a file; one that has a NOTIFY_SOCKET says there that it is ready. Waiting is
-/// by pidfd. The thread that constructs it must live as long as the child shall (PDEATHSIG follows
-/// the thread).
+/// The child's output goes to a file; a child with a NOTIFY_SOCKET says there that it is ready.
+/// Waiting is by pidfd. The thread that constructs it must live as long as the child shall
+/// (PDEATHSIG follows the thread).
 class ChildProcess {
  public:
   struct Options {

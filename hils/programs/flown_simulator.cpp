@@ -19,7 +19,7 @@ Eigen::Vector3d vector_of(const Json& list) {
   return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
 }
 
-/// Of a vehicle in sim.status, whose axes are W's: x east, y north.
+/// Motion of a vehicle in sim.status, whose axes are W's: x east, y north.
 Motion to_motion(const Json& vehicle) {
   const Eigen::Vector3d p_W = vector_of(vehicle.at("p_W"));
   const Eigen::Vector3d v_W = vector_of(vehicle.at("v_W"));

@@ -14,7 +14,8 @@
 
 namespace cas::hils {
 
-/// hilsim during a flight, by its control socket.
+/// hilsim during a flight, by its control socket: asks where the vehicles are, and tells the phase.
+/// The runs in real time and in lockstep fly with it.
 class FlownSimulator {
  public:
   /// @param control  its socket. @throws base::rpc::ConnectionError

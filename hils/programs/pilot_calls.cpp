@@ -24,7 +24,7 @@ std::string introduce(base::rpc::Client& client) {
       .get<std::string>();
 }
 
-/// Its newest text about its fence: ArduCopter's is a notice.
+/// Adds the vehicle's newest text about its fence: ArduCopter's is a notice.
 void add_fence_words(const Json& state, VehicleReport& report) {
   for (const Json& said : state.value("statustexts", Json::array())) {
     const std::string text = said.value("text", "");
@@ -34,7 +34,7 @@ void add_fence_words(const Json& state, VehicleReport& report) {
   }
 }
 
-/// Its newest text that is at least a warning; old ones do not count.
+/// Adds the vehicle's newest text that is at least a warning; old ones do not count.
 void add_warning(const Json& state, VehicleReport& report) {
   constexpr double kLately_s = 5;
   constexpr double kRepeated_s = 31;  // ArduPilot says every 30 s what its arming checks lack

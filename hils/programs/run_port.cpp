@@ -70,7 +70,7 @@ struct RunPort::Impl {
 
   base::rpc::IoThread io;
   base::rpc::Server server{io.context()};
-  // Of the thread of `io`:
+  // Used on the thread of `io` alone:
   std::map<std::string, Json, std::less<>> answers;  // by method
   std::optional<base::RunTime> shown_at;             // when the run last showed its status
 

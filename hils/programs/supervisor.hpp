@@ -18,7 +18,8 @@
 
 namespace cas::hils {
 
-/// A run that could not go on: a program died, did not get ready, or the user pressed Ctrl-C.
+/// Thrown when a run cannot go on: a program died or did not get ready, or the user pressed Ctrl-C,
+/// which interrupted() tells.
 class RunStopped : public std::runtime_error {
  public:
   RunStopped(const std::string& sentence, bool interrupted)

@@ -26,7 +26,7 @@ class WebView {
   /// @throws RunStopped when the run is stopped meanwhile
   WebView(const RunPaths& paths, const Supervisor& supervisor);
 
-  /// It was started, and is there no more.
+  /// Whether casweb was started, and has ended.
   bool has_ended() const { return casweb_ && casweb_->poll_exit().has_value(); }
 
  private:

@@ -245,7 +245,7 @@ std::vector<Travel> travels_of(const Hop& hop) {
   return travels;
 }
 
-/// Those that leave within a tape: [message id, us after its begin, us on the way].
+/// Packets that leave within a tape: [message id, us after its begin, us on the way].
 OrderedJson tape_json(const std::vector<Travel>& travels, std::int64_t begin_ns) {
   OrderedJson packets = OrderedJson::array();
   auto travel = std::ranges::lower_bound(travels, begin_ns, {}, &Travel::left_ns);

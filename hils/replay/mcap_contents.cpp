@@ -148,7 +148,7 @@ class SceneParts {
     }
   }
 
-  /// Of a frame; nullptr: nothing is in it.
+  /// Shapes in a frame; nullptr: it has none.
   const Parts* in(const std::string& frame) const {
     const auto found = frames_.find(frame);
     return found == frames_.end() ? nullptr : &found->second;
@@ -460,7 +460,7 @@ class McapContents final : public McapListener {
     OrderedJson log = heard == logs_.end() ? MessageCollector().json() : heard->second.json();
     log["duration_s"] = newest_s_;
     for (auto& [topic, channel] : channels_) {
-      // Of several vehicles each has its own topics; what is nobody's is with the first.
+      // With several vehicles each shows its own topics; topics without a vehicle go to the first.
       const std::size_t end = topic.find('/', 1);
       const std::string of = end == std::string::npos ? "" : topic.substr(1, end - 1);
       const bool is_own = vehicles_.contains(of) ? of == name : is_first;

@@ -129,7 +129,7 @@ OrderedJson part_json(const sim::Shape& shape) {
   return part;
 }
 
-/// Its shapes; a mesh is named by its place in `meshes`.
+/// Shapes as JSON; a mesh is named by its place in `meshes`.
 OrderedJson parts_json(const std::vector<sim::Shape>& shapes, OrderedJson& meshes) {
   OrderedJson parts = OrderedJson::array();
   for (const sim::Shape& shape : shapes) {

@@ -148,7 +148,7 @@ class Sizes final : public UlogListener {
 
   bool empty() const { return series_.empty(); }
 
-  /// Of the numbers that nothing is drawn from: seldom enough that the page can hold them.
+  /// Interval of the series that nothing is drawn from, s: long enough that the page can hold them.
   double period_s(std::size_t most_numbers) const {
     const auto most = static_cast<double>(most_numbers);
     double drawn = 0;

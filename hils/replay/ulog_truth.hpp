@@ -33,7 +33,7 @@ class UlogTruth {
  private:
   void on_true_position(double t_s, const UlogSeries& series, std::string_view bytes);
   void on_setpoint(double t_s, const UlogSeries& series, std::string_view bytes);
-  /// Of the estimator's origin in the axes of the truth.
+  /// Place of the estimator's origin in the axes of the truth.
   Eigen::Vector3d origin_W() const;
 
   std::vector<std::vector<double>> truth_;  ///< rows of truth.csv

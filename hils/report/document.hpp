@@ -28,7 +28,7 @@ struct Cell {
   bool framed = false;
 };
 using Row = std::vector<Cell>;
-/// Of a table; headings first.
+/// Rows of a table; headings first.
 using Rows = std::vector<Row>;
 
 /// Where cells stand in the columns behind the first one, which is left-aligned.

@@ -7,7 +7,8 @@
 
 namespace cas::hils {
 
-/// A test suite of a JUnit report, for continuous integration.
+/// Collects the cases of a test suite and writes them as a JUnit report, for continuous
+/// integration.
 class JunitSuite {
  public:
   enum class Outcome {

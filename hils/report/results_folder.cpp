@@ -42,7 +42,7 @@ constexpr std::array kRecords{
     "run/*.json.gz",       "run/*.log",   "run/flight_*.tlog", "run/firmware",    "run/firmware_*",
     "run/scenario"};
 
-/// Those below a folder of results, by their paths from there. No symlink is followed.
+/// The records below a folder of results, by their paths from there. No symlink is followed.
 std::vector<fs::path> left_by_run(const fs::path& folder) {
   constexpr int kDeepest = 2;  // plots/VEHICLE/track.svg
   std::vector<fs::path> left;

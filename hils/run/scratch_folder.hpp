@@ -9,7 +9,8 @@ namespace cas::hils {
 /// Makes a folder PREFIX-RANDOM, and `parent` if need be. @throws base::ConfigError
 std::filesystem::path fresh_folder(const std::filesystem::path& parent, const std::string& prefix);
 
-/// A fresh folder that is removed with the object.
+/// A fresh folder that is removed, with its files, when the object is destroyed. Runs, tuning and
+/// the environment keep temporary files in one.
 class ScratchFolder {
  public:
   /// @throws base::ConfigError

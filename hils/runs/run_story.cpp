@@ -38,7 +38,7 @@ std::vector<std::string> strings_of(const Json& list) {
   return list.is_array() ? list.get<std::vector<std::string>>() : std::vector<std::string>{};
 }
 
-/// Those behind the first few are counted.
+/// The first few of `all`; the rest are counted.
 std::string first_few(const std::vector<std::string>& all, std::string_view separator,
                       std::size_t most) {
   const std::vector<std::string> shown(
@@ -231,7 +231,7 @@ class VehicleStory {
     if (!rest.empty()) lines.push_back({"therefore", first_few(rest, "; ", kMostLimits)});
   }
 
-  /// Of the moment at which the first thing went wrong.
+  /// Adds the circumstances of the moment at which the first thing went wrong.
   void add_circumstances(double t_s, Lines& lines) const {
     if (motion_.is_there()) lines.push_back({"", "at that moment " + motion_.at(t_s)});
     if (mean_wind_m_s_.is_number() && mean_wind_m_s_.get<double>() > 0) {

@@ -122,6 +122,9 @@ void check_fault_plugins(const std::set<std::string>& plugins,
 std::set<std::string> plugin_names(const std::vector<base::ConfigNode>& plugins);
 
 /// One experiment as config/scenarios/*.yaml describes it. Keys are the members' names.
+///
+///   Scenario::load(file) -> simulation file and controllers' files -> programs run -> steps are
+///   flown -> checks against `limits`
 struct Scenario {
   std::string name;
   std::string description;

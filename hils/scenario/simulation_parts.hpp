@@ -33,7 +33,7 @@ std::vector<std::string> further_first_sensors(const base::ConfigNode& set);
 /// @param vehicle  its file @param set  its flown_sensors()
 std::vector<std::string> first_plugins(const std::filesystem::path& vehicle,
                                        const base::ConfigNode& set);
-/// Those that move the vehicle alone, where the firmware makes the sensors.
+/// The forces that move the vehicle, without sensors: where the firmware makes these.
 std::vector<std::string> first_forces(const std::filesystem::path& vehicle);
 /// Entry of a vehicle's list for a plugin of that name: "imu_2" is imu with `number: 2`.
 YAML::Node named_plugin(const std::string& name);

@@ -58,7 +58,7 @@ class FlightPool {
   std::list<Flight> flights_;
 };
 
-/// Notes SIGINT and SIGTERM while it lives.
+/// Notes SIGINT and SIGTERM while it lives, so that sweeps and tuning can end in good order.
 class StopRequest {
  public:
   StopRequest();

@@ -286,7 +286,7 @@ Verb add_collect(CLI::App& sweep, const Kept& kept) {
   return {collect, [kept] { return collect_sweep(fs::absolute(kept->folder), *kept); }};
 }
 
-/// Of the runner, for its processes.
+/// The verb that the runner starts its processes with; hidden from users.
 Verb add_fly(CLI::App& sweep, const Kept& kept) {
   CLI::App* fly = sweep.add_subcommand("fly", "Fly the task of a folder in this process");
   fly->group("");

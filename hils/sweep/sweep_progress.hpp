@@ -23,7 +23,8 @@ struct SweepState {
 /// appears once ten runs, or a twentieth, have been flown.
 std::string sweep_line(const SweepState& state);
 
-/// The line on standard error: rewritten on a terminal; elsewhere one for each tenth.
+/// Shows the progress of a sweep or a tuning on standard error: one line that is rewritten on a
+/// terminal; elsewhere a new line for each tenth.
 class SweepProgress {
  public:
   SweepProgress();

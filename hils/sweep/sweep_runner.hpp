@@ -20,7 +20,7 @@ struct SweepRunOptions {
   bool on_boards = false;           ///< as `controllers.json` in the sweep's folder says
   bool keeps_flights = false;       ///< each leaves its report and replay: `hils campaign --fly`
 };
-/// Its file says with which boards the rows of a folder are flown, and that they are.
+/// File in a sweep's folder that says with which boards the rows are flown, and that they are.
 inline constexpr const char* kControllersFile = "controllers.json";
 
 /// Result of it.

@@ -24,7 +24,7 @@ class EchoStage final : public ProbeStage {
   bool done() const override { return done_; }
 
   EchoFigures figures() const { return echo_figures(asked_, round_trips_); }
-  /// Of the answers.
+  /// Times at which answers arrived.
   const std::vector<base::RunTime>& arrivals() const { return arrivals_; }
 
  private:

@@ -36,7 +36,7 @@ void FloodStage::on_read(std::size_t bytes, base::RunTime now) {
   rate_.add(through_, now);
 }
 
-/// Those before it are through, or lost: a line keeps the order.
+/// Packets before this number are through, or lost: a line keeps the order.
 void FloodStage::release_up_to(std::uint32_t number) {
   while (!on_way_.empty() && on_way_.front().number <= number) {
     const Sent& sent = on_way_.front();

@@ -19,7 +19,7 @@ using namespace mavlink::common;  // NOLINT: a dispatcher over its messages
 /// As long as hils waits for one before a flight.
 constexpr base::Duration kHeartbeatPatience = std::chrono::seconds(10);
 constexpr base::Duration kBetweenHeartbeats = std::chrono::seconds(1);
-/// Of the load that is wanted.
+/// Loads to try, as shares of the load that is wanted.
 constexpr std::array kShares{0.25, 0.5, 0.75, 1.0, 1.25, 1.5};
 
 bool is_hil_answer(const mav::PacketView& packet) {

@@ -49,8 +49,8 @@ struct LineFigures {
 ///   listen --> PING --> TIMESYNC --> flood to the board, from it --> load 25, 50 ... 150 %
 ///                                                      `--> slower rates, where 100 % is too much
 ///
-/// It sends HEARTBEAT, PING, TIMESYNC and V2_EXTENSION (ProbePackets), nothing that an autopilot
-/// acts on, and ends at once when the autopilot is armed.
+/// The probe sends HEARTBEAT, PING, TIMESYNC and V2_EXTENSION (ProbePackets), nothing that an
+/// autopilot acts on, and ends at once when the autopilot is armed.
 class LineProbe {
  public:
   LineProbe(const ProbePlan& plan, base::RunTime begin);

@@ -8,7 +8,8 @@ namespace cas::hils {
 
 namespace {
 
-/// Of the questions, or one: a line that loses more loses sensor samples in every flight.
+/// Most questions without an answer, as a share; one is always allowed. A line that loses more
+/// loses sensor samples in every flight.
 constexpr double kMostLost = 0.001;
 /// Default age limit of HIL packets in casd's queue.
 constexpr double kMostQueue_ms = 25;

@@ -28,7 +28,7 @@ struct EchoedNumber {
 /// has a handler for it, and a board passes packets addressed to itself on to no other link.
 class ProbePackets {
  public:
-  /// Of a system and component that no autopilot, simulator or ground station of CAS has.
+  /// A sender that no autopilot, simulator or ground station of CAS is.
   static constexpr mav::Source kOwn{.system = 254, .component = 191};
   /// The least that pad() can make.
   static constexpr std::size_t kLeastPadding = 18;

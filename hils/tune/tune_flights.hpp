@@ -40,7 +40,7 @@ class TuneFlights {
   TuneFlights(const TuneFlights&) = delete;
   TuneFlights& operator=(const TuneFlights&) = delete;
 
-  /// Those of the search, then those of the verification.
+  /// The scenarios of the search, then those of the verification.
   const std::vector<TuneScenario>& scenarios() const { return scenarios_; }
   std::filesystem::path scenario(std::size_t index) const;
   bool has_figure(std::size_t scenario, const std::string& name) const;

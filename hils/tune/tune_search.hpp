@@ -41,7 +41,7 @@ void search(const SearchPlan& plan, const FlyPoints& fly);
 /// starts, and most processes of hils search nothing.
 extern "C" __attribute__((visibility("default"))) void cas_tune_search(const SearchPlan& plan,
                                                                        const FlyPoints& fly);
-/// Its name in that library.
+/// Symbol of cas_tune_search() in that library.
 inline constexpr const char* kTuneSearch = "cas_tune_search";
 
 }  // namespace cas::hils

@@ -32,7 +32,7 @@ struct TuneParameter {
   Parameter parameter;  ///< uniform or log
   double from = 0;      ///< its value before
 
-  /// Its value at a place of the unit interval, as the scenario gets it: four digits, or whole.
+  /// Value at a place of the unit interval, as the scenario gets it: four digits, or whole.
   std::string value_at(double u) const;
   /// The place of `from`.
   double place() const;

@@ -44,7 +44,8 @@ struct UlogValue {
   double value = 0;
 };
 
-/// Receives the contents of a log in their order.
+/// Receives the contents of a log in their order from read_ulog(). The replay collects its page
+/// with one.
 class UlogListener {
  public:
   virtual ~UlogListener() = default;

@@ -41,10 +41,10 @@ enum class UlogTopicId : std::uint16_t {
   kLocalPositionTruth,
   kGlobalPositionTruth,
   kRotorSpeeds,
-  // Of a vehicle with a pitot tube.
+  // Vehicles with a pitot tube.
   kAirspeedTruth,
   kDifferentialPressure,
-  // Of a vehicle with a wing.
+  // Vehicles with a wing.
   kWingTruth,
 };
 

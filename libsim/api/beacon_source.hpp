@@ -17,7 +17,7 @@ struct BeaconSource {
   static constexpr unsigned kTypeVersion = 1;
   /// Topic of the beacon of this name.
   static std::string topic(const std::string& name) { return "beacon/" + name; }
-  /// Its place in W at a time of the simulation, m.
+  /// Place of the beacon in W at a time of the simulation, m.
   std::function<Eigen::Vector3d(base::SimTime)> place_W;
 };
 

@@ -132,7 +132,7 @@ struct LandingTargetSample {
   static constexpr unsigned kTypeVersion = 1;
   base::SimTime time;  ///< when it was taken
   bool seen = false;   ///< the beacon is in it
-  /// Of the beacon from the middle of the picture: to the right, and to the back.
+  /// Angles of the beacon from the middle of the picture: to the right, and to the back.
   Eigen::Vector2d angles_rad = Eigen::Vector2d::Zero();
   std::optional<double> distance_m;  ///< nullopt: not measured
 };
@@ -171,9 +171,9 @@ struct GustCommand {
 struct PropulsionHealth {
   static constexpr std::string_view kTypeName = "cas.PropulsionHealth";
   static constexpr unsigned kTypeVersion = 4;
-  /// Of the speed asked for; 0: stopped. Of each rotor that a vehicle may have.
+  /// Share of the commanded speed, for each rotor that a vehicle may have; 0: stopped.
   base::RotorVector speed_share = base::RotorVector::Ones(base::kMaxRotors);
-  /// Of thrust and torque at a speed; below 0: the rotor turns the other way.
+  /// Share of thrust and torque at a speed; below 0: the rotor turns the other way.
   base::RotorVector thrust_share = base::RotorVector::Ones(base::kMaxRotors);
   double voltage_share = 1;  ///< of the battery's voltage
   /// Rotors that keep the speed they were last driven to, whatever is asked of them.

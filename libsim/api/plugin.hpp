@@ -53,9 +53,9 @@ class PluginContext {
   virtual std::string topic(const std::string& name) const = 0;
   /// The vehicle that the plugin belongs to, as World knows it.
   virtual VehicleId vehicle_id() const = 0;
-  /// Its vehicle file.
+  /// The vehicle file of that vehicle.
   virtual const base::Vehicle& vehicle() const = 0;
-  /// Its name in the simulation: "iris0".
+  /// Name of that vehicle in the simulation: "iris0".
   virtual std::string vehicle_name() const = 0;
   /// Derived from the world's seed, the vehicle's name and the plugin's name.
   virtual std::uint64_t seed() const = 0;
@@ -93,10 +93,12 @@ class PluginContext {
   virtual void expect_rays() {}
 };
 
-/// A part of the simulation that lives in a shared library.
+/// A part of the simulation that lives in a shared library: a sensor, a force, an interface to a
+/// controller. SimRunner makes one for each plugin that a vehicle of the simulation file lists.
 ///
 /// create -> configure -> bus frozen -> (pre_step -> physics -> post_step)* -> finish -> destroy.
-/// All on one thread.
+/// All on one thread. For example plugin `imu` advertises topic `iris0/imu` in configure(), and
+/// publishes a sample in each post_step() in which one is due.
 class Plugin {
  public:
   virtual ~Plugin() = default;

@@ -78,7 +78,8 @@ class Interceptor {
   std::shared_ptr<detail::Topic> topic_;
 };
 
-/// Keeps a subscription alive; ends it when destroyed.
+/// A subscriber's hold on a topic, from TopicBus::subscribe(): the subscription ends when this is
+/// destroyed. Plugins keep it as a member.
 class Subscription {
  public:
   Subscription() = default;
@@ -102,7 +103,12 @@ class Subscription {
 
 /// Publish and subscribe between plugins ([HILS] Fig. 6). Wiring is legal until `freeze()`;
 /// delivery is a direct call in subscription order: deterministic, without lock or copy. One
-/// thread.
+/// thread. SimRunner owns the bus; plugins reach it by PluginContext::bus().
+///
+///   configure():  imu_ = bus.advertise<ImuSample>("iris0/imu");                 // plugin imu
+///                 sensor_ = bus.subscribe<ImuSample>("iris0/imu", on_imu);      // a reader
+///   SimRunner:    bus.freeze();
+///   post_step():  imu_.publish(sample);                                         // calls on_imu
 class TopicBus {
  public:
   /// The right to publish on a topic.

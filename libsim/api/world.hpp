@@ -43,7 +43,7 @@ struct Environment {
   /// nullopt: as at the centre.
   std::optional<Eigen::Matrix3d> wind_gradient_W;
   double air_density_kg_m3 = 0;  ///< of World::atmosphere() at the vehicle's altitude
-  /// Of the centre of gravity over the surface below; infinite where there is none.
+  /// Height of the centre of gravity over the surface below; infinite where there is none.
   double height_above_ground_m = 0;
 };
 
@@ -51,7 +51,7 @@ struct Environment {
 struct RayHit {
   /// From the ray's origin; infinite: no surface within the range.
   double distance_m = std::numeric_limits<double>::infinity();
-  /// Of the surface, unit, against the ray; in the axes that the ray is given in.
+  /// Unit normal of the surface, against the ray; in the axes that the ray is given in.
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 

@@ -35,7 +35,7 @@ struct Newest {
   ActuatorValues deflections_rad = ActuatorValues::Zero(0);
   std::optional<RangeSample> range;
   std::size_t rays = 0;  // rangefinders, as in the scene
-  /// Of each lidar the newest scan; nothing before the first.
+  /// Newest scan of each lidar; nothing before the first.
   std::vector<std::shared_ptr<const std::vector<Eigen::Vector3f>>> clouds;
 };
 

@@ -25,8 +25,9 @@ struct PolarReference {
   double span_m = 0;   ///< of C_l and C_n
   double chord_m = 0;  ///< of C_m
 
-  /// Those of the derivatives. Of panels alone the area of those that lift upwards, and 1 m: their
-  /// places are where the coefficients of many small models put them, not where a span ends.
+  /// Reference values of the derivatives. A model of panels alone has the area of the panels that
+  /// lift upwards, and 1 m for both lengths: its panels stand where the coefficients of many small
+  /// models put them, not where a span ends.
   static PolarReference of(const base::AeroParams& aero);
 };
 

@@ -17,6 +17,7 @@ enum class Impact : std::uint8_t {
   kCompatible,  ///< neither
 };
 
+/// One difference between two versions of a dialect.
 struct Change {
   Impact impact{};
   std::string text;

@@ -131,7 +131,7 @@ std::vector<std::string> Names::members(const xml::Message& message) const {
   std::set<std::string> taken;
   for (const auto& field : message.fields) {
     auto name = safe_identifier(field.name);
-    // It must not hide a type in its own struct.
+    // The member must not hide a type in its own struct.
     while (types_.contains(name) || !taken.insert(name).second) name += '_';
     out.push_back(std::move(name));
   }

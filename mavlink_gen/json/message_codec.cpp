@@ -229,7 +229,7 @@ void MessageCodec::add(const xml::Dialect& dialect) {
                .fields = {}};
     for (const xml::Field& field : from.fields) {
       if (field.is_version) to.empty[field.offset] = field.version;
-      // Both enumerations have the wire types in the same order.
+      // FieldType and the parser's enumeration have the wire types in the same order.
       to.fields.push_back({.name = field.name,
                            .units = field.units,
                            .enum_name = field.enum_name,

@@ -121,7 +121,7 @@ bool ElementReader::parse_common_child(const Element& child, std::string& text,
   }
   if (child.name == "wip" || child.name == "superseded" || child.name == "deprecated") {
     auto parsed = parse_lifecycle(child);
-    // Of several the gravest counts, whatever their order.
+    // The gravest of several counts, whatever their order.
     if (parsed.status > lifecycle.status) lifecycle = std::move(parsed);
     return true;
   }

@@ -34,6 +34,7 @@ struct Lifecycle {
   std::string text;
 };
 
+/// One parameter of a MAV_CMD entry.
 struct Param {
   int index{};  ///< 1..7
   std::string label, units, enum_name, min_value, max_value, increment, default_value;
@@ -41,6 +42,7 @@ struct Param {
   std::string text;
 };
 
+/// One value of an enum; of MAV_CMD: a command.
 struct Entry {
   std::string name;
   EnumValue value;
@@ -51,6 +53,7 @@ struct Entry {
   Position position;
 };
 
+/// One enum of a dialect: its entries, and the integer type that holds their values.
 struct Enum {
   std::string name;
   bool bitmask{};
@@ -83,6 +86,7 @@ bool is_integer(BaseType type);             ///< a number without fraction; `cha
 bool is_signed(BaseType type);
 bool holds(BaseType type, const EnumValue& value);  ///< an integer type
 
+/// One field of a message, as the XML describes it and with its place in the payload.
 struct Field {
   std::string name;
   BaseType type{};
@@ -106,6 +110,7 @@ struct Field {
   }
 };
 
+/// One message of a dialect, with its layout on the wire.
 struct Message {
   std::uint32_t id{};
   std::string name;

@@ -90,7 +90,7 @@ class Signing {
     move_to(clock);
   }
 
-  /// Of the newest signature made or accepted, or of the clock.
+  /// Time of the newest signature made or accepted, or of the clock.
   SigningTime time() const { return time_; }
   /// Senders heard with a right signature so far.
   std::size_t stream_count() const { return size_; }

@@ -37,7 +37,8 @@ class FtpStore {
   virtual FtpFailure remove(const std::string& path) = 0;
 };
 
-/// A store in which nothing can be changed.
+/// A store in which nothing can be changed: create, write and remove fail as kFileprotected. Base
+/// of the stores whose files our controller offers.
 class ReadOnlyFtpStore : public FtpStore {
  public:
   FtpFailure create(const std::string&) final { return kProtected; }

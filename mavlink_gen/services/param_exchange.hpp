@@ -89,7 +89,7 @@ class ParamExchange {
   void set(const std::string& name, double value, Time now, Done done, Objection objection = {});
   /// Fetches all parameters; Outcome.parameters has them, or those that came.
   void list(Time now, Done done);
-  /// Of the list under way; nullopt: none is.
+  /// Progress of the list under way; nullopt: none is.
   std::optional<ListProgress> list_progress() const;
 
   void on_value(const mavlink::common::ParamValue& message, ParamEncoding encoding, Time now);

@@ -63,7 +63,7 @@ class ClockEstimate {
     const Answer* best = quickest();
     return best == nullptr ? std::nullopt : std::optional(best->offset);
   }
-  /// Of the answer behind offset().
+  /// Round trip of the answer behind offset().
   std::optional<Duration> round_trip() const {
     const Answer* best = quickest();
     return best == nullptr ? std::nullopt : std::optional(best->round_trip);

@@ -88,7 +88,7 @@ class TlogClock {
     std::uint64_t steps = 0;  ///< of the recorder's clock until then
   };
 
-  /// Of any two stamps, without overflow.
+  /// Difference a - b of any two stamps, without overflow.
   static std::int64_t difference(std::uint64_t a, std::uint64_t b) {
     constexpr auto kFarthest = std::uint64_t{1} << 60U;
     if (a >= b) return static_cast<std::int64_t>(std::min(a - b, kFarthest));

@@ -72,6 +72,10 @@ inline constexpr std::uint32_t kEkfStatusReport = 193;
 /// On a high latency link HIGH_LATENCY2 takes the place of the HEARTBEAT once none of those has
 /// come for kVehicleTimeout. It never says that the vehicle is in HIL, and PX4's does not say
 /// whether it is armed: the last known state stays.
+///
+///   VehicleState vehicle(heartbeat_source, now);  // casd's station: at the first HEARTBEAT
+///   vehicle.on_packet(packet, now);               // each packet of its autopilot
+///   if (vehicle.armed() && vehicle.heartbeat_age(now) < vehicle.silent_after()) ...
 class VehicleState {
  public:
   VehicleState(Source source, Time now) : source_(source), heard_at_(now) {}
@@ -93,7 +97,7 @@ class VehicleState {
   /// Whether it is a PX4 in a mode that needs a pilot's sticks.
   bool waits_for_sticks() const;
   const Heard<mavlink::common::Heartbeat>& heartbeat() const { return heartbeat_; }
-  /// Of the newest HEARTBEAT, or of the HIGH_LATENCY2 in its place.
+  /// Age of the newest HEARTBEAT, or of the HIGH_LATENCY2 in its place.
   Duration heartbeat_age(Time now) const { return now - heartbeat_.at; }
   /// How old that may be before the vehicle counts as silent.
   Duration silent_after() const { return slow_ ? kHighLatencyTimeout : kVehicleTimeout; }
@@ -134,7 +138,7 @@ class VehicleState {
     return global_position_;
   }
   const std::optional<Heard<mavlink::common::SysStatus>>& sys_status() const { return sys_status_; }
-  /// Of the first battery.
+  /// BATTERY_STATUS of the first battery.
   const std::optional<Heard<mavlink::common::BatteryStatus>>& battery_status() const {
     return battery_;
   }
@@ -142,7 +146,7 @@ class VehicleState {
   const std::optional<Heard<mavlink::common::EstimatorStatus>>& estimator_status() const {
     return estimator_;
   }
-  /// Of the main outputs.
+  /// SERVO_OUTPUT_RAW of the main outputs.
   const std::optional<Heard<mavlink::common::ServoOutputRaw>>& servo_output() const {
     return servo_output_;
   }

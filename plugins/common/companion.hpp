@@ -32,7 +32,7 @@ class Companion {
   void serve_terrain(base::SimTime now, const TerrainSource::Elevation& elevation_m);
   /// Back to time zero.
   void reset();
-  /// Those of its DatagramLink; in a world with terrain also {"terrain_requests":9,"grids":504}.
+  /// Figures of the DatagramLink; in a world with terrain also {"terrain_requests":9,"grids":504}.
   nlohmann::ordered_json figures() const;
 
  private:

@@ -12,7 +12,7 @@
 
 namespace cas::sim {
 
-/// An IPv4 or IPv6 address with port.
+/// An IPv4 or IPv6 address with port, for the sockets of plugins that speak UDP or TCP.
 class InetAddress {
  public:
   InetAddress() = default;

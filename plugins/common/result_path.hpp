@@ -10,7 +10,7 @@
 namespace cas::sim {
 
 /// A path that a simulation file gives for a plugin's output: below PluginContext::output_dir().
-/// It is written by the functions of base/os/result_file.hpp.
+/// The functions of base/os/result_file.hpp write it.
 /// @throws base::ConfigError, with the key's path, when it is absolute or has ".."
 inline std::filesystem::path result_path(const base::ConfigNode& node) {
   const std::filesystem::path path = node.as<std::string>();

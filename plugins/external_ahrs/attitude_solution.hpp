@@ -21,7 +21,7 @@ class AttitudeSolution {
   /// Any unit: only the direction counts.
   void on_field(const Eigen::Vector3d& field_D) { field_D_ = field_D; }
 
-  /// Of D in N; the identity before the first samples.
+  /// Attitude of D in N; the identity before the first samples.
   const Eigen::Quaterniond& q_ND() const { return q_ND_; }
 
  private:

@@ -16,7 +16,7 @@ std::string name_of(UnitModel model) {
   return kNames[static_cast<std::size_t>(model)];
 }
 
-/// Of the inertial sensors, which the divisors of the registers divide.
+/// Rate of the inertial sensors, which the divisors in the registers divide.
 double base_rate_hz(UnitModel model) { return model == UnitModel::kVn300 ? 400 : 800; }
 
 }  // namespace

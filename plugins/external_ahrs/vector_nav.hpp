@@ -67,7 +67,7 @@ class VectorNav {
   void reset();
 
   const UnitRegisters& registers() const { return registers_; }
-  /// Of one output now; 0: it is off.
+  /// Present rate of one output; 0: it is off.
   double rate_hz(std::size_t output) const;
   const Counts& counts() const { return counts_; }
 

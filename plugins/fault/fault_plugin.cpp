@@ -333,7 +333,7 @@ class FaultPlugin final : public Plugin {
     }
   }
 
-  /// Of several faults at once each holds it cut.
+  /// Whether any active fault cuts the line.
   bool is_line_cut() const {
     bool cut = false;
     for_active<LineCutFault>([&](const LineCutFault&) { cut = true; });
@@ -363,7 +363,8 @@ class FaultPlugin final : public Plugin {
     return health;
   }
 
-  /// Of several faults of one surface the last of the list that holds it counts.
+  /// State of the servos; where several faults hold one surface in place, the last in the list
+  /// counts.
   SurfaceHealth surface_health() const {
     SurfaceHealth health;
     for_active<SurfaceFault>([&](const SurfaceFault& fault) {

@@ -90,7 +90,8 @@ struct SensorFault {
   std::optional<SampleField> only;       ///< of kFreeze: the rest goes on
   double drop_share = 1;                 ///< of kDrop: probability for each sample
   int all_but = 0;                       ///< of kDrop: each n-th passes; 0: none
-  /// Of kTurn: true to read vector; of kRelocate: of the frame about the sensor's place.
+  /// For kTurn: rotation from true to read vectors; for kRelocate: of the frame about the sensor's
+  /// place.
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   FixReport fix{};             ///< of kFix
   double time_constant_s = 0;  ///< of kMultipath

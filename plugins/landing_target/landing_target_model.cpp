@@ -10,7 +10,7 @@
 namespace cas::sim {
 namespace {
 
-/// Of a place in the picture, to the right and to the back. @param p_S  below the camera
+/// Angles of a place in the picture, to the right and to the back. @param p_S  below the camera
 Eigen::Vector2d angles_of(const Eigen::Vector3d& p_S) {
   return {std::atan2(-p_S.y(), -p_S.z()), std::atan2(-p_S.x(), -p_S.z())};
 }

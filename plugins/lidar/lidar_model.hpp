@@ -60,7 +60,7 @@ class LidarModel {
   /// Aims the beams that fire from `begin` on, before `end`.
   /// @param from, to  the vehicle at these times
   void aim(base::SimTime begin, base::SimTime end, const BodyState& from, const BodyState& to);
-  /// Of the aimed beams.
+  /// Rays of the aimed beams, by origin and direction.
   std::span<const Eigen::Vector3d> origins_W() const { return origins_W_; }
   std::span<const Eigen::Vector3d> directions_W() const { return directions_W_; }
   /// Room for what the aimed beams meet.

@@ -106,7 +106,7 @@ class HilInterface {
   void on_range(const RangeSample& sample, std::size_t at = 0) {
     take(range_.at(at), sample, kPartRangefinder, at);
   }
-  /// Its message is the plugin's own.
+  /// Notes that the sensor reports; plugin odometry makes the message itself.
   void on_odometry(const OdometrySample&, std::size_t at = 0) { sensors_.add(kPartOdometry, at); }
   void on_battery(const BatterySample& sample) { battery_ = sample; }
   void on_esc(const EscSample& sample) { esc_ = sample; }

@@ -32,7 +32,7 @@ class HilPort {
   virtual std::uint64_t peers() const { return 1; }
   virtual bool connected() const { return true; }
   virtual std::string endpoint() const = 0;  ///< "udp 127.0.0.1:14560"
-  /// Its counters, for the figures of a run.
+  /// Adds the port's counters to the figures of a run.
   virtual void add_figures(nlohmann::ordered_json& /*figures*/) const {}
 };
 

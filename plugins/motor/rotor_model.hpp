@@ -151,7 +151,7 @@ class RotorModel final : public ForceModel {
       to[static_cast<std::size_t>(i)] = from[i];
     }
   }
-  /// Of a place r_B of the body through the air; a plain step's wind has no gradient.
+  /// Velocity of a place r_B of the body through the air; a plain step's wind has no gradient.
   template <bool kPlain>
   [[gnu::always_inline]] static inline Eigen::Vector3d air_velocity_B(const Surroundings& around,
                                                                       const Eigen::Vector3d& w_WB_B,

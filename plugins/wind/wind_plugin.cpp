@@ -56,7 +56,7 @@ class WindPlugin final : public Plugin {
   }
 
  private:
-  /// Of the wind at a place, 1/s, that of the grid over the vehicle's span.
+  /// Gradient of the wind at a place, 1/s; the grid's part is the mean over the vehicle's span.
   Eigen::Matrix3d gradient_W(const Eigen::Vector3d& p_W) const {
     Eigen::Matrix3d swap_WN;
     swap_WN << 0, 1, 0, 1, 0, 0, 0, 0, -1;

@@ -24,7 +24,7 @@ bool leads_to_station(const DoctorFacts& facts, const std::string& link) {
   });
 }
 
-/// Its parameters, of one that told them.
+/// Checks the parameters that a vehicle has told.
 void check_params(const casd::ParamValues& params, const std::string& who, Findings& all) {
   if (!params.contains("EAHRS_TYPE")) {
     return bad(all, who + " has no parameter EAHRS_TYPE: its firmware is without External AHRS",

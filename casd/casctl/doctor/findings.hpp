@@ -22,7 +22,7 @@ struct Finding {
 
 using Findings = std::vector<Finding>;
 
-// They append a finding.
+// Each of these functions appends a finding.
 
 inline void good(Findings& all, std::string what) {
   all.push_back({Health::kGood, std::move(what), "", false});

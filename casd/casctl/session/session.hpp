@@ -45,7 +45,7 @@ class SeveralDaemons : public std::runtime_error {
   nlohmann::json daemons_;
 };
 
-/// A state that --wait waited for and that did not come.
+/// Thrown by casctl's verbs when a state that --wait waits for has not come in time.
 class WaitTimeout : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -254,7 +254,7 @@ void add_telemetry(Session& session, json& status) {
       telemetry.erase("vehicle");
       vehicle["telemetry"] = std::move(telemetry);
     } catch (const base::rpc::CallError& error) {
-      // It fell silent just now, or casd is older than this method.
+      // The vehicle fell silent just now, or casd is older than this method.
       if (error.code() != base::rpc::kNoSuchVehicle && error.code() != base::rpc::kMethodNotFound) {
         throw;
       }

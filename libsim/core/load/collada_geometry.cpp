@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kFaces{"triangles", "tristrips", "trifans", "polylist",
                                                  "polygons"};
-/// Of all places of a geometry together: each is read again.
+/// Most numbers of all geometries together; one that is placed several times is read, and counts,
+/// each time.
 constexpr std::size_t kMostNumbers = 20 * kMostTriangles;
 
 }  // namespace
@@ -186,7 +187,8 @@ void ColladaGeometry::add_fan(const XmlElement& list, const Indices& corners, st
   }
 }
 
-/// Of a damaged export, and of a script that has edited one, faces are missing.
+/// Warns when the part has another number of faces than it promises: the export is damaged, or a
+/// script has edited it.
 void ColladaGeometry::compare_count(const XmlElement& part) const {
   const auto promised = document_.number<std::size_t>(part, "count", faces_);
   if (promised == faces_) return;

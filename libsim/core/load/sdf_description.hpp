@@ -16,7 +16,7 @@ class SdfDescription {
  public:
   using IsUsed = std::function<bool(const std::string& element)>;
 
-  /// Of the whole of SDF.
+  /// The description of the whole of SDF.
   SdfDescription();
   /// Without the elements that are not used and have others in them, unless every file has them.
   /// Values stay, because their defaults count, and so does all that is in a sensor.

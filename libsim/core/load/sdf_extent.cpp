@@ -89,7 +89,7 @@ class Marks {
     return true;
   }
 
-  /// Of the place that has been reached.
+  /// Line of the place that has been reached.
   std::size_t line() {
     const std::size_t here = text_.size() - rest_.size();
     for (; counted_ < here; ++counted_) line_ += text_[counted_] == '\n' ? 1 : 0;
@@ -127,7 +127,7 @@ class Cost {
  public:
   explicit Cost(const FindFile& find) : find_(find) {}
 
-  /// Of the world's file with its includes, in kilobytes.
+  /// Kilobytes for the world's file with its includes.
   std::size_t of_world(const fs::path& file) {
     const SdfExtent extent = extent_of(file, "world");
     used_ = SdfDescription(whole_, [&extent](const std::string& element) {
@@ -172,7 +172,7 @@ class Cost {
     return kilobytes;
   }
 
-  /// Of an included file with its includes.
+  /// Kilobytes for an included file with its includes.
   std::size_t of_model(const fs::path& file, std::size_t depth) {
     if (const auto known = known_.find(file); known != known_.end()) {
       if (known->second) return *known->second;

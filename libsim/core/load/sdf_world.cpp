@@ -241,7 +241,7 @@ class Translator {
     return shapes;
   }
 
-  /// Of the first trajectory; poses are relative to the actor's own.
+  /// Waypoints of the actor's first trajectory; poses are relative to the actor's own.
   std::vector<Waypoint> waypoints_of(const sdf::Actor& actor, const std::string& place) {
     std::vector<Waypoint> waypoints;
     if (actor.TrajectoryCount() == 0 || !actor.ScriptAutoStart()) return waypoints;

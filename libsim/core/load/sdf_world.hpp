@@ -14,7 +14,7 @@ namespace cas::sim {
 /// @throws base::ConfigError
 extern "C" CAS_SIM_EXPORT void cas_load_sdf_world(const WorldConfig& config, WorldModel& model);
 
-/// Its name in libcas_sim_sdf.so.
+/// Symbol of cas_load_sdf_world() in libcas_sim_sdf.so.
 inline constexpr const char* kLoadSdfWorld = "cas_load_sdf_world";
 
 }  // namespace cas::sim

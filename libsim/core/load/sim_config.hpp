@@ -32,6 +32,7 @@ enum class Integrator {
   kOde,  ///< ODE's first-order stepper throughout, for comparison
 };
 
+/// How fast simulated time runs against the wall clock, and how late steps are made up for.
 struct PaceConfig {
   PaceMode mode = PaceMode::kRealtime;
   bool speed_given = false;  ///< else an SDF world's real-time factor holds
@@ -69,12 +70,14 @@ struct StartPose {
   double yaw_deg = 0;           ///< of the nose, counter-clockwise from east
 };
 
+/// A plugin in a vehicle's list, with its parameters.
 struct PluginConfig {
   std::string plugin;  ///< bare library name
   base::ConfigNode params =
       base::ConfigNode::empty();  ///< merged over sensors.<plugin> of the vehicle file
 };
 
+/// A vehicle of a simulation file, with its plugins.
 struct VehicleConfig {
   std::string name;
   base::Vehicle vehicle;

@@ -71,7 +71,7 @@ std::vector<DrawnSurface> drawn_surfaces(std::span<const Shape> visuals,
     if (!std::holds_alternative<Box>(visuals[i].geometry)) continue;
     for (std::size_t k = 0; k < aero.surfaces.size(); ++k) {
       if (!is_named(visuals[i].name, aero.surfaces[k].name)) continue;
-      // Its rear edge goes to -z where it pushes to +z; that is a turn about -y.
+      // The surface's rear edge goes to -z where it pushes to +z; that is a turn about -y.
       drawn.push_back({i, k, effect_along_z(visuals[i], k, aero) > 0 ? -1.0 : 1.0});
       break;
     }

@@ -9,13 +9,13 @@ namespace cas::sim {
 
 /// The world that a configuration describes: gravity and ground, or an SDF file.
 ///
-/// Of an SDF file the first world is read, through libsdformat: models with their poses and their
-/// box, sphere, cylinder, plane, mesh (STL, OBJ, COLLADA) and heightmap (PNG) collisions with
-/// friction, stiffness and damping, nested models, <include> by path and model://, gravity, wind,
-/// spherical coordinates, physics step and real-time factor. Models do not move; `warnings` names
-/// unsupported parts of the file and meshes that cannot be read, with file and line. A collision
-/// without contacts (<collide_without_contact>, a <collide_bitmask> without a bit of a vehicle's)
-/// is no obstacle here.
+/// An SDF file's first world is read, through libsdformat: models with their poses and their box,
+/// sphere, cylinder, plane, mesh (STL, OBJ, COLLADA) and heightmap (PNG) collisions with friction,
+/// stiffness and damping, nested models, <include> by path and model://, gravity, wind, spherical
+/// coordinates, physics step and real-time factor. Models do not move; `warnings` names unsupported
+/// parts of the file and meshes that cannot be read, with file and line. A collision without
+/// contacts (<collide_without_contact>, a <collide_bitmask> without a bit of a vehicle's) is no
+/// obstacle here.
 /// @throws base::ConfigError when there is no readable world, when a number is not read whole or
 /// lies beyond what a body or a place can have, for a world that libsdformat would take more than 4
 /// GB for, and when a model or mesh is not found and `missing` does not allow that

@@ -47,7 +47,7 @@ std::size_t farthest(std::span<const ContactPoint> points, const Patch& patch, d
     if (!patch.holds(points[i])) continue;
     const double value = measure(points[i].p_W);
     const bool as_far = std::abs(value - largest) <= kSame;
-    // Of points that are equally far the deepest is taken: rounding does not decide.
+    // The deepest of points that are equally far is taken, so that rounding does not decide.
     const bool better = as_far && points[i].depth_m > points[best].depth_m;
     if (value <= largest + kSame && !better) continue;
     largest = std::max(largest, value);

@@ -50,8 +50,8 @@ dMass ode_mass(const MassProperties& mass) {
 
 /// Where ODE's messages go; it would write them to standard error.
 ///
-/// Its solver complains of contacts that contradict each other, step by step and in its own words:
-/// one warning says so, the rest is counted. After an error ODE ends the program, and its
+/// ODE's solver complains of contacts that contradict each other, step by step and in its own
+/// words: one warning says so, the rest is counted. After an error ODE ends the program, and its
 /// destructors do not bear an exception: step() leaves it by a jump.
 class OdeMessages {
  public:
@@ -280,7 +280,7 @@ struct ContactSolver::Impl {
     return normal_of(triangle_of(mesh, triangle));
   }
 
-  /// Those of `points` that carry the body, appended to `out`.
+  /// Appends to `out` the contacts of `points` that carry the body.
   void keep_points(std::vector<Contact>& out) {
     drop_inner_edges(points);
     spread_curved_patches(points, spread);

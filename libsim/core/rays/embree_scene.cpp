@@ -182,7 +182,7 @@ class EmbreeScene final : public RayScene {
     }
   }
 
-  /// Its number in the scene is that in `meshes_`.
+  /// Adds a mesh; its number in the scene is its index in `meshes_`.
   void add_mesh(const PlacedMesh& mesh) {
     const auto& [vertices, triangles] = *mesh.triangles;
     const RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);

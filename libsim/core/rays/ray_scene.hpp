@@ -40,7 +40,7 @@ CAS_SIM_EXPORT std::unique_ptr<RayScene> make_ray_scene(std::span<const Shape> s
 extern "C" CAS_SIM_EXPORT void cas_make_ray_scene(const std::span<const Shape>& shapes,
                                                   std::unique_ptr<RayScene>& scene);
 
-/// Its name in libcas_sim_rays.so.
+/// Symbol of cas_make_ray_scene() in libcas_sim_rays.so.
 inline constexpr const char* kMakeRayScene = "cas_make_ray_scene";
 
 }  // namespace cas::sim

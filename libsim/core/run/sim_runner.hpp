@@ -32,7 +32,8 @@ struct SimWarning {
   std::string sentence;
 };
 
-/// One world with its vehicles and plugins, stepped by its caller. Reads no clock.
+/// One world with its vehicles and plugins, stepped by its caller. Reads no clock. hilsim steps it
+/// by its pace, the virtual bench and the environment of hils by their own time.
 ///
 ///   construct --> bus() wiring by the host --> start() --> step() ... step() --> finish()
 ///                                                 ^ reset() ^
@@ -68,7 +69,7 @@ class CAS_SIM_EXPORT SimRunner {
   const SimConfig& config() const;
   /// The objects of the world; they never change.
   const WorldModel& world_model() const;
-  /// Of each vehicle, index = VehicleId; they never change.
+  /// The models of the vehicles, index = VehicleId; they never change.
   const std::vector<VehicleModel>& vehicle_models() const;
   std::vector<std::string> vehicle_names() const;  ///< index = VehicleId
   /// About the files; from start() on also about idle connections, after finish() about contacts.

@@ -60,7 +60,7 @@ std::unique_ptr<ElevationFile> open_hgt(const std::filesystem::path& file);
 extern "C" CAS_SIM_EXPORT void cas_open_geotiff(const std::filesystem::path& file,
                                                 std::unique_ptr<ElevationFile>& out);
 
-/// Its name in libcas_sim_terrain.so.
+/// Symbol of cas_open_geotiff() in libcas_sim_terrain.so.
 inline constexpr const char* kOpenGeotiff = "cas_open_geotiff";
 
 }  // namespace cas::sim

@@ -74,7 +74,8 @@ std::optional<double> ElevationMap::step_deg(double lat_deg, double lon_deg) con
   return files_[spot->file]->grid().step_lat_deg;
 }
 
-/// Of the finest file. Most places are in the file of the place before, unless a finer one has it.
+/// Spot in the finest file that has the place. The file of the place before is tried first, if no
+/// file is finer.
 std::optional<ElevationMap::Spot> ElevationMap::spot_of(double lat_deg, double lon_deg) const {
   if (files_.front()->grid().step_lat_deg == files_[last_file_]->grid().step_lat_deg) {
     if (const auto spot = spot_in(last_file_, lat_deg, lon_deg)) return spot;

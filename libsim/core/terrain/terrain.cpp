@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kMostTiles = 1024;
 constexpr double kFinest_m = 0.25;
 constexpr double kLookAhead_s = 5;
-/// Of a meridian in the projection's sphere, m.
+/// Length of a degree of a meridian on the projection's sphere, m.
 constexpr double kDegree_m = 6'371'000.0 * base::kRadPerDeg;
 
 std::int64_t floor_div(std::int64_t a, std::int64_t b) {

@@ -21,7 +21,7 @@ namespace cas::sim {
 
 /// Ground from elevation files, without end.
 ///
-/// Its surface in W is made of triangles over a grid of squares, as fine as the file that has home;
+/// The surface in W is made of triangles over a grid of squares, as fine as the file that has home;
 /// contacts and rays meet the same ones. Without data it is at mean sea level. Tiles of the grid
 /// are made when they are asked for, and the newest stay in memory: 9 MB, however far a vehicle
 /// flies.
@@ -37,7 +37,7 @@ class CAS_SIM_EXPORT Terrain {
   std::optional<double> elevation_m(double lat_deg, double lon_deg) const;
   /// z of the surface in W, m.
   double height_m(double x_m, double y_m) const;
-  /// Of the triangle at a place, unit, up.
+  /// Unit normal of the triangle at a place, pointing up.
   Eigen::Vector3d normal_W(double x_m, double y_m) const;
   /// A height that the surface over a square place does not exceed, by its steepest triangle; m.
   /// @param half_m  of its edge
