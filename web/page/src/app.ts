@@ -48,7 +48,7 @@ class App extends Part {
 
   private header(): TemplateResult {
     const {bench} = page;
-    const verdict = bench.verdict && verdictText(bench.verdict);
+    const verdicts = [bench.verdict, bench.besideVerdict].flatMap((verdict) => (verdict ? [verdictText(verdict)] : []));
     const state = bench.vehicle?.state;
     const old = state?.heartbeat_age_s !== undefined && state.heartbeat_age_s > (state.silent_after_s ?? 3) / 2;
     const landed = state?.landed?.replace('_', ' ');
@@ -67,7 +67,8 @@ class App extends Part {
           clean(state.mode ?? '–')}${landed ? ` · ${landed}` : ''}${old ? ` · ${age(state.heartbeat_age_s!)}` : ''}</span>` : html`<span class="mut">no vehicle heard</span>`}
       </span><span class="grow"></span>
       ${bench.verdict?.touched.length ? html`<span class="pill amber" role="note" aria-label="A person acted in this run">touched</span>` : nothing}
-      ${verdict ? html`<span class=${`pill ${verdict.tone}`}><span>${verdict.ticked ? html`<span class="tick">✓</span> ` : ''}${clean(verdict.text)}</span></span>` : nothing}
+      ${verdicts.map((verdict, i) => html`<span class=${`pill ${verdict.tone}`}><span>${verdict.ticked ? html`<span class="tick">✓</span> ` : ''}${
+        verdicts.length > 1 ? `${'AB'[i]}: ` : ''}${clean(verdict.text)}</span></span>`)}
       <button class="ib optional" aria-label=${`Theme: ${theme()}`} @click=${() => setTheme(theme() === 'dark' ? 'light' : 'dark')}>◐</button>
       <button class="ib optional" aria-label="Keys" @click=${() => this.help()}>?</button>
     </header>`;
@@ -104,7 +105,8 @@ class App extends Part {
     const words = {running: 'Limits so far', passed: 'Verdict: passed', failed: 'Verdict: failed', invalid: 'No verdict', lost: 'Limits, as heard last'};
     const other = bench.besideVerdict;
     const others = other ? shownRows(other.rows) : [];
-    return html`<div class="sect"><h2>${words[verdict.state]} <small>${other ? 'A · B' : since}</small></h2>
+    const title = other ? `A: ${words[verdict.state].replace('Verdict: ', '')} · B: ${words[other.state].replace('Verdict: ', '')}` : words[verdict.state];
+    return html`<div class="sect"><h2>${title} <small>${other ? 'A · B' : since}</small></h2>
       <div class="rows">${shownRows(verdict.rows).map((row) => {
         const digits = row.digits === undefined ? 2 : row.unit === 'm' ? 2 : row.unit === 'rad' ? 3 : Math.min(row.digits, row.unit === 'us' ? 0 : 2);
         const share = row.value === null || row.limit === null ? 0 : row.limit === 0 ? (row.value > 0 ? 1 : 0) : row.value / row.limit;
@@ -112,12 +114,13 @@ class App extends Part {
         return html`<div class=${`lim ${row.name.length > kShortName || (row.value === null && open) ? 'long' : ''} ${row.missed ? 'missed' : ''} `}><span class="sec">${row.name}</span>
           <span class="bar"><b .style=${`width:${(Math.min(1, Math.max(0, share)) * 100).toFixed(1)}%`}></b></span>
           ${row.value === null && open ? html`<span><em>measured at the end; limit ${row.limit}${row.unit ? ` ${row.unit}` : ''}</em></span>` : html`<span>${fixed(row.value, digits)}${
-            other ? html`<em> · ${fixed(beside?.value, digits)}</em>` : nothing} <em>of ${row.limit}${
+            other ? html`<em class=${beside?.missed ? 'bad' : ''}> · ${fixed(beside?.value, digits)}</em>` : nothing} <em>of ${row.limit}${
             row.unit ? ` ${row.unit}` : ''}${row.margin == null || !row.limit || other ? '' : ` · ${fixed((100 * row.margin) / Math.abs(row.limit), 0)} %`}</em></span>`}</div>`;
       })}</div>
       ${verdict.touched.slice(0, kTouched).map((act, i) => html`<p class="touched" title=${clean(act)}>${i === 0 ? 'Touched: ' : ''}${clean(actWords(act))}</p>`)}
       ${verdict.touched.length > kTouched ? html`<p class="touched">and ${verdict.touched.length - kTouched} more</p>` : nothing}
-      ${!open ? verdict.sentences.slice(0, 3).map((sentence) => html`<p class="bad">${clean(sentence)}</p>`) : nothing}</div>`;
+      ${open ? nothing : [verdict, ...(other ? [other] : [])].map(({sentences}, i) => sentences.slice(0, 3).map(
+        (sentence) => html`<p class="bad">${other ? `${'AB'[i]}: ` : ''}${clean(sentence)}</p>`))}</div>`;
   }
 
   /** In a record: the paper's value of the same figure. */

@@ -183,6 +183,7 @@ class Gains extends Part {
     if (!source.commands) return html`<p class="empty">View only: gains cannot be changed here.</p>`;
     const vehicle = page.bench.vehicle;
     if (vehicle?.state && (vehicle.system !== this.asked || (this.loops.length === 0 && page.now_s >= this.askAgain_s))) void this.list(vehicle.system);
+    else if (this.values && page.now_s >= this.askAgain_s) void this.refresh();
     if (this.loops.length === 0) return html`<p class="empty">The vehicle's loops are not known yet.</p>`;
     return html`<div class="sect"><h2>Gains <small>${Object.values(this.loops.find((each) => each.loop === this.loop)?.parameters ?? {}).join(' ')}</small></h2>
       <div class="btns"><select aria-label="Loop" @change=${(event: Event) => void this.choose((event.target as HTMLSelectElement).value)}>
@@ -192,7 +193,7 @@ class Gains extends Part {
           <input aria-label=${`New ${gain.toUpperCase()}`} inputmode="decimal" size="6" .value=${this.typed[gain] ?? ''}
             @input=${(event: Event) => { this.typed[gain] = (event.target as HTMLInputElement).value; }}></div>`)}
       <div class="btns"><button class="pri" @click=${() => this.apply()}>Apply</button>
-        <button ?disabled=${!this.undo} @click=${() => this.undo && void this.set(this.undo, this.asked)}>Undo</button>
+        <button ?disabled=${!this.undo} @click=${() => this.undo && this.askSet(this.undo)}>Undo</button>
         <button ?disabled=${this.testing !== ''} @click=${() => this.askTest()}>Test a step</button></div>
       ${this.testing ? html`<p>${this.testing}</p>` : nothing}</div>
       ${this.curves.length > 0 ? html`<div class="sect">${this.drawCurves()}${this.table(this.curves.map(({name, figures}) => ({name, ...figures})))}</div>` : nothing}`;
@@ -250,6 +251,17 @@ class Gains extends Part {
     this.requestUpdate();
   }
 
+  /** Others set gains, too: what this page set before them is not undone. */
+  private async refresh(): Promise<void> {
+    this.askAgain_s = page.now_s + kAskAgain_s;
+    const {asked, loop, values: before} = this;
+    const values = (await page.source.call('gain.get', {vehicle: asked, loop}).catch(() => null)) as GainAnswer | null;
+    if (!values || loop !== this.loop || asked !== this.asked || before !== this.values) return;
+    if ((['p', 'i', 'd'] as const).some((gain) => values[gain] !== before?.[gain])) this.undo = null;
+    this.values = values;
+    this.requestUpdate();
+  }
+
   private apply(): void {
     const gains: Record<string, number> = {};
     page.refusal = '';
@@ -261,6 +273,10 @@ class Gains extends Part {
     }
     if (Object.keys(gains).length === 0) page.refusal = 'No new gain was typed.';
     if (page.refusal) return page.redraw();
+    this.askSet(gains);
+  }
+
+  private askSet(gains: Record<string, number>): void {
     const words = Object.entries(gains).map(([gain, value]) => `${gain.toUpperCase()} ${value}`).join(', ');
     page.ask(`Set ${this.loop} ${words}?`, 'Set', (vehicle) => void this.set(gains, vehicle));
   }
@@ -278,7 +294,7 @@ class Gains extends Part {
   }
 
   private askTest(): void {
-    page.ask('Fly 3 m north and back, 16 s?', 'Fly', () => void this.test());
+    page.ask(`Fly 3 m north and back, 16 s?${page.bench.run ? ' The run judges it, too.' : ''}`, 'Fly', () => void this.test());
   }
 
   /** A step north and back by goto, looked at in the truth or the estimate. */

@@ -44,6 +44,7 @@ export class Page {
   }
 
   ask(text: string, yes: string, act: Question['act']): void {
+    this.refusal = '';
     this.question = {text, yes, until_s: this.now_s + 5, vehicle: this.bench.vehicle?.system, act};
     this.redraw();
   }

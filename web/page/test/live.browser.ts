@@ -33,6 +33,7 @@ class FakeServer {
   calls: Call[] = [];
   acks: {topic: string; seq: number}[] = [];
   readOnly = false;
+  gain = 0.6;  // MPC_XY_P
   refuses = new Map<string, string>();
   landed = 'on_ground';
   armed = false;
@@ -82,12 +83,12 @@ class FakeServer {
       return;
     }
     const refusal = method.startsWith('sim.') && this.down.has('hilsim') ? 'there is no hilsim' : this.refuses.get(method);
-    const answer = refusal ? {error: {code: -32000, message: refusal}} : {result: this.answer(method)};
+    const answer = refusal ? {error: {code: -32000, message: refusal}} : {result: this.answer(method, params)};
     this.socket!.send(JSON.stringify({jsonrpc: '2.0', id, ...answer}));
     if (method === 'watch') for (const topic of ['sim', 'clouds', 'vehicle', 'links', 'messages', ...(this.run ? ['ref', 'verdict'] : [])]) this.feed(topic);
   }
 
-  private answer(method: string): unknown {
+  private answer(method: string, params: Record<string, unknown>): unknown {
     const record = makeRecord();
     switch (method) {
       case 'hello': return {
@@ -100,8 +101,12 @@ class FakeServer {
         ? {name, state: 'down', reason: `there is no ${name} on this machine`} : {name, state: 'up', version: '0.1.0', age_s: 0.1})};
       case 'fault.list': return {kinds: ['drop', 'rotor', 'unplug', 'gust'], shortest_s: 0.05, longest_s: 30};
       case 'gain.list': return {loops: [{loop: 'position', parameters: {p: 'MPC_XY_P'}}]};
-      case 'gain.get': return {loop: 'position', p: 0.6};
-      case 'gain.set': return {loop: 'position', p: 0.9, before: {p: 0.6}};
+      case 'gain.get': return {loop: 'position', p: this.gain};
+      case 'gain.set': {
+        const before = {p: this.gain};
+        this.gain = params.p as number;
+        return {loop: 'position', p: this.gain, before};
+      }
       default: return {result: 'ACCEPTED'};
     }
   }
@@ -230,7 +235,12 @@ test('gains are set after a question and undone', async () => {
   await page.keyboard.press('Enter');
   await until(page, 'it is set', () => server.calls.some((call) => call.method === 'gain.set' && call.params.p === 0.9));
   await page.getByRole('button', {name: 'Undo'}).click();
+  await until(page, 'it asks', (now) => now.question === 'Set position P 0.6?');
+  await page.keyboard.press('Enter');
   await until(page, 'it is set back', () => server.calls.some((call) => call.method === 'gain.set' && call.params.p === 0.6));
+  server.gain = 1.3;  // by somebody else
+  await page.getByText('1.300 →').waitFor();
+  assert.ok(await page.getByRole('button', {name: 'Undo'}).isDisabled());
   await page.close();
 });
 

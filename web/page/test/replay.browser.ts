@@ -126,15 +126,20 @@ test('a failed flight opens before its failure, in its world, with the step that
 });
 
 test('two runs lie over each other, the first on the left', async () => {
+  const calm = makeRecord('wind');
+  calm.verdict = {valid: true, passed: true, failures: []};
   const other = makeRecord('wind', 3);
   other.vehicles[0]!.checks![0]!.value = 0.3;
   const source = (path: string, mean: string) => ({path, settings: {'hilsim.plugins[wind].mean_m_s': mean}});
-  const {page, errors} = await open(replay('two', [pack(makeRecord('wind')), pack(other)], [source('out/calm', '3'), source('out/gusty', '9')]));
+  const {page, errors} = await open(replay('two', [pack(calm), pack(other)], [source('out/calm', '3'), source('out/gusty', '9')]));
   await until(page, 'a picture', (now) => now.frames > 0);
   await page.getByText('A · B').waitFor();
   await page.getByText('truth B').first().waitFor();
   assert.match(await page.locator('.lim').first().innerText(), /0\.09 · 0\.30 of 0\.5 m/);
-  assert.match((await page.locator('header.top').innerText()).replace(/\s+/g, ' '), /A calm wind mean_m_s 3 B gusty wind mean_m_s 9/);
+  const header = (await page.locator('header.top').innerText()).replace(/\s+/g, ' ');
+  assert.match(header, /A calm wind mean_m_s 3 B gusty wind mean_m_s 9/);
+  assert.match(header, /A: Passed, .* B: Failed/, 'neither verdict hides the other');
+  await page.getByText('B: 7 of 20000 HIL_SENSOR were lost').waitFor();
   assert.deepEqual(errors, []);
   await page.close();
 });
