@@ -403,7 +403,7 @@ export class View3D {
   frameAll(bench: Bench): void {
     const far = this.extent(bench);
     this.controls.target.set(far.centre[0], far.centre[1], far.centre[2]);
-    const back = Math.max(2.2, far.size * 1.35);
+    const back = Math.max(2.2, far.size * 1.8);  // a vehicle at the top of its flight is whole
     this.camera.position.set(far.centre[0] - 0.55 * back, far.centre[1] - 0.72 * back, far.centre[2] + 0.55 * back);
   }
 
