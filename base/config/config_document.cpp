@@ -192,9 +192,12 @@ std::shared_ptr<const ConfigDocument> parse_config(std::string_view text,
     }
     const bool no_end = error.msg.find("end of map not found") != std::string::npos ||
                         error.msg.find("end of sequence not found") != std::string::npos;
+    const bool has_colon = error.msg.find("illegal map value") != std::string::npos;
     builder.fail(line, "",
                  "is not YAML: " + error.msg +
-                     (no_end ? "; perhaps indented differently from the line above" : ""));
+                     (no_end      ? "; perhaps indented differently from the line above"
+                      : has_colon ? "; a text with ': ' in it needs quotes"
+                                  : ""));
   }
   return document;
 }

@@ -23,9 +23,10 @@ constexpr std::array kKinds{
     KindWords{FileKind::kVehicle, "rotors",
               "a vehicle, which a scenario or a world names under 'vehicle'",
               "a vehicle has 'rotors', such as vehicles/quad_x.yaml"},
-    KindWords{FileKind::kStudy, "scenario",
-              "a study, which hils sweep, tune, compare or campaign takes",
-              "a study names its 'scenario', such as studies/gain_grid.yaml"},
+    KindWords{
+        FileKind::kStudy, "scenario", "a study, which hils sweep, tune, compare or campaign takes",
+        "a study names its 'scenario', such as studies/gain_grid.yaml, as does a campaign, such "
+        "as campaigns/iris_paper.yaml"},
     KindWords{FileKind::kWorld, "world", "a world, which hilsim takes",
               "a world has 'world' and 'vehicles', such as worlds/bench.yaml"}};
 

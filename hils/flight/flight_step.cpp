@@ -388,6 +388,7 @@ void FlightRehearsal::play_measure(const FlightStep& step, const base::ConfigNod
 void FlightRehearsal::finish(const base::ConfigNode& steps) const {
   if (airborne_) refuse(steps, "the flight ends in the air: add a land step");
   if (!measured_) {
+    steps.reject_unused();  // a misspelt `measure` is the reason
     refuse(steps, "no hold is measured: give one hold or trajectory 'measure: true'");
   }
 }

@@ -65,7 +65,10 @@ class Draft {
     const bool last = steps.size() == 1;
     if (step.element) {
       YAML::Node list = node[step.key];
-      if (!list || !list.IsSequence()) fail(path, fmt::format("'{}' is no list", step.key));
+      if (!list) {
+        fail(path, fmt::format("the file has no '{0}'; give all of it: '{0}=[...]'", step.key));
+      }
+      if (!list.IsSequence()) fail(path, fmt::format("'{}' is no list", step.key));
       const std::size_t index = element_of(list, *step.element, path);
       if (last) {
         list[index] = content(value);

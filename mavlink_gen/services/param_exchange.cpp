@@ -258,7 +258,7 @@ void ParamExchange::tick(Time now) {
                            std::to_string(due->sent) + " times without an answer";
     if (reading) {
       const std::string meant = base::did_you_mean(due->name, known_names());
-      sentence += meant.empty() ? "; does this vehicle have it?" : meant;
+      sentence += meant.empty() ? "; this vehicle may not have it" : meant;
     }
     finish(due, failure(OutcomeKind::kTimeout, sentence + because(due->texts)));
   }

@@ -47,6 +47,8 @@ TEST(ConfigErrors, NameThePlace) {
       {"OtherIndentation", "a:\n  b: 1\n c: 2\n", kJustParse,
        "t.yaml:3: is not YAML: end of map not found; perhaps indented "
        "differently from the line above"},
+      {"ColonInAText", "a: one: two\n", kJustParse,
+       "t.yaml:1: is not YAML: illegal map value; a text with ': ' in it needs quotes"},
       {"MissingKey", "a: {y: 1}\n",
        [](const ConfigNode& node) { node.at("a").require<double>("rate_hz"); },
        "t.yaml:1: a: key 'rate_hz' is missing"},

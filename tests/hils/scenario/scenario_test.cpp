@@ -301,6 +301,10 @@ INSTANTIATE_TEST_SUITE_P(
                     "ends in the air"},
         BadScenario{"NothingMeasured", "steps: [arm, {takeoff: {altitude_m: 2}}, land]\n",
                     "no hold is measured"},
+        BadScenario{"MisspeltMeasure",
+                    "steps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, messure: "
+                    "true}}, land]\n",
+                    "did you mean 'measure'"},
         BadScenario{"DisarmInTheAir", "steps: [arm, {takeoff: {altitude_m: 2}}, disarm]\n",
                     "would drop the vehicle"},
         BadScenario{"TwoKeysInAStep", "steps: [{arm: {}, land: {}}]\n",

@@ -103,6 +103,8 @@ TEST_F(KeyPath, RefusesWhatLeadsNowhere) {
             std::string::npos);
   EXPECT_NE(refusal("plugins[9].x").find("counted from 0"), std::string::npos);
   EXPECT_NE(refusal("line[0].x").find("'line' is no list"), std::string::npos);
+  EXPECT_NE(refusal("faults[0].for_s").find("no 'faults'; give all of it: 'faults=[...]'"),
+            std::string::npos);
   EXPECT_THROW(parse_key_path("a[b"), base::ConfigError);
   EXPECT_THROW(parse_key_path(""), base::ConfigError);
 }
