@@ -20,7 +20,7 @@ namespace cas::casd {
 
 class LinkSigning;
 
-/// What a TxPort is told about its line and its queue when the link is made.
+/// Settings of a TxPort: its queue, and rate and caps of its line.
 struct TxPortOptions {
   TxQueueOptions queue = {};
   double line_bytes_s = 0;                    ///< rate of the line that writes are held to; 0: none

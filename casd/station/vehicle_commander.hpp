@@ -52,7 +52,7 @@ inline constexpr base::Duration kStationTick = std::chrono::milliseconds(50);
 /// The longest time between two ticks of a station that waits for nothing: each wakes a thread.
 inline constexpr base::Duration kRestTick = std::chrono::milliseconds(250);
 
-/// What VehicleCommander sends of its own accord, what it may command, and its timing.
+/// Settings of a VehicleCommander: its own messages, its consents, its timing.
 struct CommanderOptions {
   mav::Source self = kOwnStation;
   double heartbeat_hz = 1;     ///< own HEARTBEAT as a ground station; 0 is silent. A vehicle that

@@ -60,7 +60,7 @@ struct MetricsConfig {
   friend bool operator==(const MetricsConfig&, const MetricsConfig&) = default;
 };
 
-/// What casd's own station sends by itself, and what it may command.
+/// Settings of casd's own station: its messages and its consents.
 struct CommandingConfig {
   double heartbeat_hz = 1;
   bool allow_not_hil = false;  ///< consent to arm a vehicle that is not in HIL

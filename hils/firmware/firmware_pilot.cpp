@@ -206,7 +206,7 @@ class FirmwareVehicle {
       fault = error.what();
     }
     if (!fault) {
-      fmt::print(stderr, "hils: the flight has ended early, and the board was disarmed\n");
+      fmt::print(stderr, "hils: the board was still armed at the end, and has been disarmed\n");
       return;
     }
     fmt::print(stderr,

@@ -33,7 +33,7 @@ mavlink::common::CommandLong forced_disarm(mav::Source vehicle) {
   return command;
 }
 
-/// Whether what has arrived says that the vehicle is disarmed.
+/// Reads the line: whether the vehicle's newest HEARTBEAT there is of a disarmed vehicle.
 bool hears_disarmed(int line, mav::PacketParser& parser, mav::Source vehicle) {
   std::array<std::uint8_t, 4096> buffer;
   const ssize_t size = ::read(line, buffer.data(), buffer.size());

@@ -29,7 +29,7 @@ struct PromptWords {
   std::vector<std::string> parameters;  ///< of the vehicle; empty until they have been asked for
 };
 
-/// What the Tab key makes of a line of the prompt, and what it offers.
+/// Completion of a prompt line by the Tab key: the longer line, and the words on offer.
 struct Completion {
   std::string line;                   ///< with the common prefix of all offers
   std::vector<std::string> offers{};  ///< words that may end the line
